@@ -10,6 +10,7 @@ from PIL import Image
 from tests.support.report import carnegie_like, foreign
 from vrcomfort.report import build_report
 from vrcomfort.report.canvas import canvas, dots
+from vrcomfort.report.estimation import draw_difference
 
 SCORES = {f"P{i}": {"a": 3 + i, "b": 2 * i} for i in range(6)}
 PLAN = 'name = "mine"\ntitle = "Mine"\noutcomes = ["T"]\nfigures = ["paired"]\n'
@@ -74,6 +75,15 @@ def test_dots_are_seen_in_pixels(people):
 
     assert red(np.full(people, np.nan)) == 0
     assert red(np.linspace(0, 1, people)) > 50 * min(people, 40)
+
+
+@pytest.mark.parametrize(("estimate", "drawn"), [(2.0, [[1.5, 2.5], [2.0]]), (None, [[1.5, 2.5]])])
+def test_a_difference_stands_upright_with_its_interval(estimate, drawn):
+    with canvas("difference", 3, 2) as (figure, _):
+        axes = figure.add_subplot()
+        draw_difference(axes, 1.0, estimate, 1.5, 2.5)
+    assert [np.atleast_1d(line.get_ydata()).tolist() for line in axes.lines] == drawn
+    assert {float(x) for line in axes.lines for x in np.atleast_1d(line.get_xdata())} == {1.0}
 
 
 @pytest.mark.slow

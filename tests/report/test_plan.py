@@ -4,6 +4,7 @@ import csv
 import json
 import re
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -157,6 +158,20 @@ def test_derived_timepoints_have_the_words_of_the_data(tmp_path):
     plan = plan_of(read_study(timed(tmp_path / "questionnaires.csv", moments)))
     assert (plan.baseline_timepoint, plan.exposure_timepoint) == ("pre", "after")
     assert plan.scores == "difference_from_baseline"
+
+
+@pytest.mark.parametrize(("scenes", "factor"), [(1, []), (2, ["scene"])])
+def test_a_derived_plan_has_scenes_as_a_factor_where_there_are_two(tmp_path, scenes, factor):
+    rows = [
+        {"participant": f"P{n}", "trial": trial, "condition": condition, "scene": f"s{scene}",
+         "item": item, "response": response}
+        for n in range(3)
+        for trial, (condition, scene) in enumerate(product("ab", range(scenes)), start=1)
+        for item, response in answers(n).items()
+    ]  # fmt: skip
+    write_csv(tmp_path / "questionnaires.csv", tuple(rows[0]), rows)
+    plan = plan_of(read_study(tmp_path))
+    assert [each.name for each in plan.anova] == ["condition", *factor]
 
 
 def test_totals_are_adjusted_apart_from_what_they_are_summed_from(tmp_path):

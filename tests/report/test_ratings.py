@@ -213,7 +213,7 @@ def words_of(*conditions):
 def test_below_a_curve_of_who_left_stand_the_exposures_at_risk():
     ends_s = {"a": [60.0, 120.0, 180.0, 240.0], "b": [150.0, 240.0]}
     events = [
-        TimeToEvent(f"P{n}", condition, 1, end_s, came=n != 2)
+        TimeToEvent(f"P{n}", condition, 1, end_s, came=(condition, n) not in {("a", 2), ("b", 1)})
         for condition, times_s in ends_s.items()
         for n, end_s in enumerate(times_s)
     ]
@@ -226,13 +226,20 @@ def test_below_a_curve_of_who_left_stand_the_exposures_at_risk():
         for times_s in ends_s.values()
         for tick in minutes
     ]
+    assert marks_in(above) == [[3.0], [4.0]]  # of those who were not seen to leave
+
+
+def marks_in(axes):
+    return [line.get_xdata().tolist() for line in axes.lines if line.get_marker() == "|"]
 
 
 def test_several_conditions_have_a_panel_each_and_one_together(tmp_path):
     several = courses_of(two_conditions(people=2), tmp_path / "two")
-    assert len(course_figure(several, words_of("a", "b")).figure.axes) == 3
-    one = courses_of(RatedStudy().expose("P1", "a", [4, 5]), tmp_path / "one")
-    assert len(course_figure(one, words_of("a")).figure.axes) == 1
+    panels = course_figure(several, words_of("a", "b")).figure.axes
+    assert [marks_in(panel) for panel in panels] == [[], [], []]
+    one = courses_of(RatedStudy().expose("P1", "a", [4, None, 5]), tmp_path / "one")
+    (panel,) = course_figure(one, words_of("a")).figure.axes
+    assert marks_in(panel) == [[20.0]]  # where a rating was missed
 
 
 PLAN = """

@@ -98,3 +98,11 @@ def test_where_there_is_no_floor_one_stands_where_the_scene_begins():
     left = replace(floor(1.0, half=1.0), translation=np.array([-9.0, 1.0, 9.0]))
     right = replace(floor(3.0, half=1.0), translation=np.array([9.0, 3.0, -9.0]))
     assert stands_at(left, right) == pytest.approx(1.0)
+
+
+def test_what_lies_beside_the_middle_in_the_same_mesh_is_no_floor_there(tmp_path):
+    boxes = [trimesh.creation.box((10.0, 0.1, 10.0)) for _ in range(3)]
+    for box, x, y in zip(boxes, (0.0, 30.0, -30.0), (0.0, -4.0, 9.0), strict=True):
+        box.apply_translation((x, y, 0.0))
+    trimesh.Scene([trimesh.util.concatenate(boxes)]).export(tmp_path / "one.glb")
+    assert load_scene(tmp_path / "one.glb").spawn.position[1] == pytest.approx(0.05)
