@@ -36,15 +36,15 @@ demo: setup
 
 test:
 	@scripts/setup.sh --tests
-	@$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow and not monado and not needs_reference_data"
+	@$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder -m "not slow and not monado and not needs_reference_data"
 
 test-smoke:
 	@scripts/setup.sh --tests
-	@$(BIN)/pytest -q -n 2 --dist loadfile -m smoke $$(grep -rl --include='test_*.py' mark.smoke tests)
+	@$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder -m smoke $$(grep -rl --include='test_*.py' mark.smoke tests)
 
 test-slow:
 	@scripts/setup.sh --tests --browser
-	@$(BIN)/pytest -q -n 2 --dist loadfile -m "slow and not monado and not needs_reference_data"
+	@$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder -m "slow and not monado and not needs_reference_data"
 	@$(BIN)/pytest -q -n 2 --dist worksteal --draw -k "not thirty_thousand" tests/report/test_extremes.py \
 		tests/report/test_notices.py tests/report/test_plan.py tests/questionnaire/test_instruments_study.py
 
@@ -68,7 +68,7 @@ runtime:
 	@scripts/runtime.sh
 
 test-openxr:
-	@scripts/in_runtime.sh pytest -q -n 2 --dist loadfile -m monado $$(grep -rl --include='test_*.py' monado tests)
+	@scripts/in_runtime.sh pytest -q -n 2 --dist loadfile --no-loadscope-reorder -m monado $$(grep -rl --include='test_*.py' monado tests)
 
 test-windows:
 	@scripts/windows.sh pytest -q -p no:cacheprovider -m windows $$(grep -rl --include='test_*.py' mark.windows tests)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import gc
 import os
@@ -12,6 +13,7 @@ for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 
 # ruff: noqa: E402
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -30,6 +32,7 @@ from vrcomfort.headset.monado import Monado, RemoteFeed
 from vrcomfort.resources import data_folder
 from vrcomfort.scene import load
 from vrcomfort.scene.gltf.budget import SceneBudget
+from vrcomfort.session import exposure
 
 # A busy machine fails no test. The same code meets the same examples: `make explore` draws others.
 UNHURRIED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -92,7 +95,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
     """Let the run fail where a test was skipped that may not be."""
-    gc.unfreeze()  # what is never collected, packages call leaked
+    atexit.register(gc.unfreeze)  # what is never collected, packages call leaked
     reporter = session.config.pluginmanager.getplugin("terminalreporter")
     if _may_not_skip() and reporter and reporter.stats.get("skipped"):
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
@@ -118,6 +121,14 @@ def _no_waiting_for_the_disk() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         for name in ("fsync", "fdatasync"):
             patch.setattr(os, name, lambda _: None, raising=False)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _what_was_imported_stays_frozen() -> Iterator[None]:
+    """An exposure thaws it, and the next collection would look at all of it again."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(exposure, "collector_at_rest", nullcontext)
         yield
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 from tests.support.session import go
 from tests.support.study import AheadHeadset, Scripted
@@ -15,6 +16,8 @@ from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.respondent.panel_picture import Picture
+from vrcomfort.session import exposure
+from vrcomfort.session.exposure import collector_at_rest
 from vrcomfort.session.panel_screen import LOADING_FRAMES, PanelScreen
 
 
@@ -100,7 +103,10 @@ def test_the_loading_picture_comes_before_each_scene_is_loaded(tmp_path: Path) -
     assert order == ["loading", "frames"] * 4  # two sessions of two exposures
 
 
-def test_during_an_exposure_the_collector_leaves_alone_what_is_there(tmp_path: Path) -> None:
+def test_during_an_exposure_the_collector_leaves_alone_what_is_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(exposure, "collector_at_rest", collector_at_rest)
     frozen: list[int] = []
 
     class Counts(AheadHeadset):
