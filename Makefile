@@ -36,7 +36,7 @@ demo: setup
 
 test:
 	@scripts/setup.sh --tests
-	@$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder -m "not slow and not monado and not needs_reference_data"
+	@$(BIN)/pytest -q -n 3 --dist loadfile --no-loadscope-reorder -m "not slow and not monado and not needs_reference_data"
 
 test-smoke:
 	@scripts/setup.sh --tests
