@@ -81,6 +81,7 @@ def test_the_figure_names_the_front_and_rings_the_chosen():
     (choice,) = recommendations(found(*METHODS), 14.5)
     with mpl.rc_context(STYLE):
         (axes,) = draw_front(choice).axes
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     names = {text.get_text(): text.get_fontweight() for text in axes.texts}
     assert set(names) == {each.label for each in choice.front}
     assert [name for name, weight in names.items() if weight == "bold"] == ["ours 20 samples"]
