@@ -261,6 +261,10 @@ def test_hillaires_parts_are_those_of_the_paper():
         (TEXT + PARTS.replace("repeats = 2", "session = 3"), "count sessions from 1, without gaps"),
         (TEXT + '\n[[parts]]\nname = "a"\n', "`explicit` needs at least one [[parts.orders]]"),
         (TEXT + PARTS + 'rule = "williams"\n', None),
+        (
+            TEXT + "".join(f'\n[[parts]]\nname = "p{n}"\nrule = "williams"\n' for n in range(14)),
+            "the parts' orders have more than 10000 combinations; give them fewer orders",
+        ),
         (TEXT + '\n[[parts]]\nname = "a"\nrule = "williams"\n' + ORDERS, "makes its own orders"),
         (TEXT + PARTS.replace("repeats = 2", 'scenes = ["room.glb"]'), "`scenes` does nothing"),
         (TEXT + PARTS.replace('"ba"', '"ba"\ngroup = "calm"', 1), "there are no [[groups]]"),

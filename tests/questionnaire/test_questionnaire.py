@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import read_sheets, score, score_file, shipped_instruments
+from vrcomfort.questionnaire import never_zero, read_sheets, score, score_file, shipped_instruments
 
 SSQ = shipped_instruments()["ssq"]
 
@@ -248,3 +248,8 @@ def test_a_sum_in_the_column_of_an_item_is_found(tmp_path):
     assert len(score_ssq(file)) == 6
     file = wide(tmp_path, "P1" + ",0" * 17, "P2" + ",0" * 17, headings=[*headings, "Nausea"])
     assert len(score_ssq(file)) == 2, "of zeros alone nobody knows"
+
+
+def test_two_whole_ssqs_without_a_zero_are_asked_about():
+    assert [never_zero(SSQ, {1: 16, 2: count}) for count in (15, 16)] == [0, 32]
+    assert never_zero(SSQ, {0: 1, 1: 40}) == 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 
 from tests.support.session import run
@@ -16,6 +17,7 @@ from tests.support.study import (
     tiny_protocol,
 )
 from vrcomfort.errors import InputError
+from vrcomfort.protocol import Ratings
 from vrcomfort.records import read_participants, session_folder
 
 
@@ -111,6 +113,13 @@ def test_jitter_is_drawn_from_the_seed_within_its_limits_and_told(tmp_path):
         for n, due in enumerate(planned, start=1):
             assert 3.0 * n - 1.0 <= due <= 3.0 * n + 1.0
     assert found[0] == found[1] != found[2]
+
+
+def test_questions_that_jitter_are_due_at_whole_milliseconds():
+    ratings = Ratings(instrument="fms", every_s=3.0, timeout_s=2.0, jitter_s=1.0)
+    due_ms = np.array(ratings.due_times(90.0, np.random.default_rng(0))) * 1000
+    np.testing.assert_allclose(due_ms, due_ms.round(), atol=1e-6)
+    assert {*(due_ms.round() % 10)} > {0.0}
 
 
 def test_a_rule_of_two_in_a_row_ends_the_exposure_alone(tmp_path):
