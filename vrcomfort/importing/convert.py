@@ -67,6 +67,8 @@ class Made:
     )
 
 
+ANSWERED_AGAIN = "is answered a second time by"
+"""What the refusal of an answer says that another row has given."""
 _FEWEST_OF_LOG = 20
 """Rows of a log that has other rows than ratings; of fewer, blank ones are missed ratings."""
 
@@ -397,7 +399,7 @@ class TableImport:
         column: int,
     ) -> None:
         if item in response.answers:
-            message = f"{item} is answered a second time by {administration.words}; first in"
+            message = f"{item} {ANSWERED_AGAIN} {administration.words}; first in"
             hint = "a trial or session tells repetitions apart (or trial = { count = true })"
             raise self._table.fault(f"{message} {response.place}; {hint}", row, column)
 

@@ -244,6 +244,8 @@ class Doubt(Settings):
     """What the mapping now says."""
     otherwise: str = ""
     """The consequence if that is wrong."""
+    instead: str = ""
+    """What to write in that case."""
     answer: str = ""
     """Written by a person; the mapping is refused until there is one."""
 
@@ -254,6 +256,7 @@ class Guess(Settings):
     question: str
     assumed: str = ""
     otherwise: str = ""
+    instead: str = ""
 
 
 _OwnInstrument = Annotated[

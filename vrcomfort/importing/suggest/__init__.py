@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
@@ -39,6 +39,7 @@ from vrcomfort.importing.suggest.left_over import ask_to_leave_out
 from vrcomfort.importing.suggest.left_over_drafts import with_left_over
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
 from vrcomfort.importing.suggest.same_people import (
+    count_exposures,
     say_contradictions,
     say_others,
     say_same_people,
@@ -56,7 +57,9 @@ from vrcomfort.questionnaire import Instrument, usual_instruments
 _TOP = (
     "What the columns of these files mean, as `vrcomfort import --suggest` understood them.",
     "Read it, mend what is wrong, and write an answer in each [[doubts]] below: while one is",
-    "open, the import is refused. Every key: `vrcomfort docs import_mapping`.",
+    "open, the import is refused. Where an assumption is wrong, write what `instead` says: here, or",
+    "into words.toml, and suggest anew with --vocabulary words.toml (`vrcomfort docs import`).",
+    "Every key: `vrcomfort docs import_mapping`.",
 )
 
 
@@ -108,24 +111,32 @@ def suggest_mapping(
     InputError
         If a file cannot be read, or a vocabulary is wrong; with line and column.
     """
-    taken = _suggested(files, own or {}, vocabularies, left_over=True)
-    if taken.imported is not None:
-        return taken
-    without = _suggested(files, own or {}, vocabularies, left_over=False)
-    return taken if without.imported is None else without
+    words = LabVocabulary([*map(read_vocabulary, vocabularies)]) if vocabularies else None
+    known = Known((*(own or {}).values(), *usual_instruments()), words or shipped_vocabulary())
+    read = with_codebooks([table for file in files for table in _tables(file, known)])
+    taken, refused = _suggested(files, own or {}, known, read)
+    every = {file.name for file in files}
+    for but in ({refused} & every, every) if taken.imported is None else ():
+        without, _ = _suggested(files, own or {}, known, read, but)
+        if without.imported is not None:
+            return without
+    return taken
 
 
 def _suggested(
     files: Sequence[Path],
     own: Mapping[str, Instrument],
-    vocabularies: Sequence[Path],
-    *,
-    left_over: bool,
-) -> Suggestion:
-    """Write a mapping, with or without the columns that no rule knows."""
-    words = LabVocabulary([*map(read_vocabulary, vocabularies)]) if vocabularies else None
-    known = Known((*own.values(), *usual_instruments()), words or shipped_vocabulary())
-    read = with_codebooks([table for file in files for table in _tables(file, known)])
+    known: Known,
+    read: Sequence[SourceTable],
+    but: Collection[str] = (),
+) -> tuple[Suggestion, str]:
+    """Write a mapping; return it, and the name of the file that it is refused for.
+
+    Parameters
+    ----------
+    but
+        Names of files of which the columns that no rule knows are left out.
+    """
     excluded, left_out = excluded_files(read, known.vocabulary)
     read = [table for table in read if table.file not in excluded]
     groups: dict[tuple[object, ...], list[SourceTable]] = {}
@@ -133,8 +144,8 @@ def _suggested(
         rows = None if table.reading.sections else table.reading.heading_rows
         groups.setdefault((table.headings, rows), []).append(table)
     drafts = joined([TableDraft(tables, known) for tables in groups.values()], known)
-    if left_over:
-        drafts = [with_left_over(draft, known, alone=len(drafts) == 1) for draft in drafts]
+    alone = len(drafts) == 1
+    drafts = [d if {*d.files} & {*but} else with_left_over(d, known, alone=alone) for d in drafts]
     useful = [d for d in drafts if d.gives and not is_sidecar(d.tables[0], read)] or drafts
     say_names_of_files(useful)
     say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)
@@ -152,8 +163,16 @@ def _suggested(
     _declare(top, useful)
     ignored = _ignored_sheets(top, drafts, useful, excluded)
     top.lists["tables"] = [draft.draft for draft in useful]
+    levels = {name: said for draft in useful for name, said in draft.levels.items()}
+    if len({frozenset(said) for said in levels.values()}) == 1:
+        top.tables["condition_levels"] = TomlDraft(dict(levels))
     imported, refusal = _tried(top, files, [*own.values()])
-    if imported is None and say_contradictions(useful):
+    if levels and (imported is None or {*imported.conditions} != levels.keys()):
+        top.tables.pop("condition_levels", None)
+        imported, refusal = _tried(top, files, [*own.values()])
+    if imported is None and (
+        say_contradictions(useful) or count_exposures(useful, refusal.message)
+    ):
         imported, refusal = _tried(top, files, [*own.values()])
     if again := _said_again(useful, imported):
         useful = [draft for draft in useful if draft not in again]
@@ -162,25 +181,22 @@ def _suggested(
         imported, refusal = _tried(top, files, [*own.values()])
     if imported is not None and say_same_people(useful, imported):
         imported, refusal = _tried(top, files, [*own.values()])
-    levels = {name: said for draft in useful for name, said in draft.levels.items()}
-    factors = {frozenset(said) for said in levels.values()}
-    if imported is not None and {*imported.conditions} == levels.keys() and len(factors) == 1:
-        top.tables["condition_levels"] = TomlDraft(dict(levels))
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
     doubts += [*ignored, *left_out, *_unanswered(drafts, known)]
-    for draft in () if left_over else useful:
+    for draft in (draft for draft in useful if {*draft.files} & {*but}):
         doubts += ask_to_leave_out(draft.table, dict.fromkeys(draft.left, _REFUSED_WITH))
     if refusal:
-        doubts.append(OpenDoubt(_REFUSAL, refusal, *REFUSED))
+        doubts.append(OpenDoubt(_REFUSAL, refusal.message, *REFUSED))
     asked = write_doubts(top, doubts)
     notes = tuple(dict.fromkeys(note for table in read for note in table.notes))
-    return Suggestion(
+    found = Suggestion(
         escape_surrogates(top.text()),
         tuple(doubt.words for doubt in asked),
         len(top.lists.get("guesses", ())),
         notes,
         imported,
     )
+    return found, refusal.file
 
 
 def _declare(top: TomlDraft, drafts: Sequence[TableDraft]) -> None:
@@ -338,12 +354,23 @@ def _ignored_sheets(
     return doubts
 
 
+class _Refusal(NamedTuple):
+    """Why the import refuses a mapping, and the name of the file at fault."""
+
+    message: str = ""
+    file: str = ""
+
+    def __bool__(self) -> bool:
+        return bool(self.message)
+
+
 def _tried(
     top: TomlDraft, files: Sequence[Path], own: Sequence[Instrument]
-) -> tuple[Imported | None, str]:
+) -> tuple[Imported | None, _Refusal]:
     """Import the files by the mapping; return the import, or the reason of its refusal."""
     try:
-        return import_files(files, parse_mapping(top.text(), None), own), ""
+        return import_files(files, parse_mapping(top.text(), None), own), _Refusal()
     except InputError as error:
         # The user has the files, and not the lines of a mapping that is not written yet.
-        return None, str(error) if error.file is not None else error.message
+        message = str(error) if error.file is not None else error.message
+        return None, _Refusal(message, Path(error.file or "").name)

@@ -38,7 +38,7 @@ from vrcomfort.importing.suggest.questionnaires import (
 )
 from vrcomfort.importing.suggest.ratings import find_courses, find_ratings
 from vrcomfort.importing.suggest.scores import find_scores, weighted
-from vrcomfort.importing.suggest.vocabulary import IGNORED, Known
+from vrcomfort.importing.suggest.vocabulary import IGNORED, OUTCOME, Known
 from vrcomfort.questionnaire import Instrument, plain
 
 FoundT = TypeVar("FoundT", bound=FoundAnswers)
@@ -107,14 +107,20 @@ class AnswerColumns:
         """Those that are answers the other way round."""
         self.products: list[int] = []
         """Those of answers times their weights."""
+        self.codes: list[str] = []
+        """Codes of conditions before the numbers of the lab's own questions."""
         self.weights = comparisons(table, known)
         """Those of the weights alone, or of the comparisons that they come from."""
         self.taken.update(self.weights)
         # "Marca temporal" is no temporal demand: a program writes it, and nobody answers it.
         roles = [known.vocabulary.roles.get(plain(heading)) for heading in table.headings]
-        meta = {c for c, role in enumerate(roles) if role == IGNORED}
+        told = [*map(known.vocabulary.told, table.headings)]
+        meta = {c for c, role in enumerate(roles) if role == IGNORED and told[c] != OUTCOME}
+        meta |= {c for c, role in enumerate(told) if role not in {"", OUTCOME}}
+        own = {c for c, role in enumerate(told) if role == OUTCOME}
         for layout in sorted(LAYOUTS, key=lambda each: -each.weight):
-            free = [c for c in range(len(table.headings)) if c not in self.taken | meta]
+            closed_to = self.taken | meta | (own if layout is not OWN else set())
+            free = [c for c in range(len(table.headings)) if c not in closed_to]
             closed = layout.whole and any(
                 each.whole and found for each, found in self._found.items()
             )
@@ -153,6 +159,7 @@ class AnswerColumns:
         ]
         contexts = [each.context for found in self._found.values() for each in found]
         found = OwnQuestions(table, columns, known, contexts, self._left)
+        self.codes = ["_".join(code).upper() for code in found.conditions]
         self._found[COURSES] += found.courses
         self._found[RATINGS] += found.rated
         self.taken.update(c for each in (*found.courses, *found.rated) for c in each.columns)

@@ -46,6 +46,9 @@ class Conditions(FactDraft):
 
     def _condition(self) -> None:
         columns = self._roles.facts.get("condition", [])
+        if told := [c for c in columns if self._vocabulary.told(self.heading(c)) == "condition"]:
+            self._told(told)
+            return
         columns = [c for c in columns if texts(self._table, c) and not self._is_setting(c)]
         if "condition" in self._answers.said or "condition" in self._context.columns:
             self._passed_over([c for c in columns if c not in self._context.used])
@@ -62,6 +65,14 @@ class Conditions(FactDraft):
             self._several_conditions(columns)
         else:
             self._guess_condition()
+
+    def _told(self, columns: list[int]) -> None:
+        """Take the columns that the lab says are the condition, all of them together."""
+        if len(columns) > 1:
+            self._join_condition(columns)
+            self.found.levels = self._levels(columns)
+        else:
+            self.use("condition", columns[0])
 
     def _is_setting(self, column: int) -> bool:
         """Return whether a column has many numbers, one a person: a field of view at random."""
@@ -149,6 +160,7 @@ class Conditions(FactDraft):
         decided = context.sources
         columns = (*self._roles.unknown, *self._roles.facts["scene"], *decided)
         found = candidates("condition", columns, context)
+        found = [each for each in found if not self._parts_questions(each.column)]
         if "scene" in context.columns:  # what was shown to each person is numbered, besides
             found = [each for each in found if each.evidence is not COUNTS_EXPOSURES]
         if not found:
@@ -171,13 +183,21 @@ class Conditions(FactDraft):
                 self._roles.unknown.remove(found[0].column)
             self.doubt_of(found[0])
 
+    def _parts_questions(self, column: int) -> bool:
+        """Return whether each question has one text of a column, as the name of its part."""
+        for item in self._answers.row_keys[:1]:
+            pairs = {(row[item], row[column]) for row in self._table.rows}
+            return len(pairs) == len(texts(self._table, item))
+        return False
+
     def _with_another(self, column: int) -> list[int]:
         """Return a column and others with which it is crossed; nothing where there is none."""
         who = self._context.participant
         if who is None or self._answers.row_keys or self._context.time is not None:
             return []
         factors = [column]
-        open_ = [c for c in self._roles.unknown if c != column and c not in self._context.used]
+        closed = {column} | self._context.used | self._roles.outcomes
+        open_ = [c for c in self._roles.unknown if c not in closed]
         for other in (c for c in open_ if few_texts(self._table, c)):
             if self._are_crossed([*factors, other], who):
                 factors.append(other)

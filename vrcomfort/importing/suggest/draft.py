@@ -22,32 +22,105 @@ _ORDINARY = 50
 
 
 class Stake(NamedTuple):
-    """What depends on an assumption: the consequence if it is wrong, and how much that is."""
+    """What depends on an assumption: the consequence if it is wrong, and how much that is.
+
+    Parameters
+    ----------
+    instead
+        The line to write in that case.
+    """
 
     otherwise: str
     rank: int
+    instead: str = ""
 
 
-REFUSED = Stake("nothing is imported", 100)
-LAYOUT = Stake("every cell would be read as another", 95)
-PEOPLE = Stake("one person's answers would count as another's", 90)
-CODING = Stake("answers would count one too high, or not at all", 88)
-CONDITIONS = Stake("conditions would be compared that were none", 86)
-TIMEPOINTS = Stake("before and after would be exchanged", 84)
-STAYED = Stake("who stayed would count as having left, or the other way round", 76)
-ITEM_ORDER = Stake("every answer would count for another symptom", 82)
-NAMES_OF_FILES = Stake("answers would be of other people or conditions", 80)
-DIRECTION = Stake("a low answer would count as a high one", 75)
-ITEM = Stake("an answer would count for another symptom", 74)
-INSTRUMENT = Stake("scores would be made by another formula", 72)
-SHORT_FORM = Stake("a questionnaire would be scored as if it had been shorter", 70)
-SCORE_KIND = Stake("scores would be called what they are not", 68)
-SAME_PERSON = Stake("one person would count as two", 66)
-SAME_CONDITION = Stake("one condition would count as two", 64)
-TIMES = Stake("times to a rating, areas and slopes would be of another unit", 62)
-ORDER = Stake("exposures would be numbered in another order", 55)
-ROWS = Stake("rows with answers would be missing", 50)
-CURIOUS = Stake("something is left out that an analysis might need", 10)
+def words_line(table: str, line: str) -> str:
+    """Return the advice to write a line into a vocabulary file, and to suggest anew."""
+    return f"below [{table}] in words.toml: {line}"
+
+
+_OUTCOMES = words_line("outcomes", 'labels = ["the heading", …]')
+_NO_OUTCOMES = "; ".join(
+    (
+        words_line("ignored", 'labels = ["the heading", …]'),
+        words_line("people", "the same, if they are facts of people"),
+    )
+)
+_CONDITION = "; ".join(
+    (
+        words_line("facts", 'condition.labels = ["the heading", …]'),
+        words_line("conditions", 'words = ["A", "B"], if headings say them'),
+    )
+)
+REFUSED = Stake("nothing is imported", 100, f"{_OUTCOMES}; or {_CONDITION}")
+LAYOUT = Stake(
+    "every cell would be read as another", 95, "in `read`: transpose = false, or the like"
+)
+PEOPLE = Stake(
+    "one person's answers would count as another's",
+    90,
+    words_line("facts", 'participant.labels = ["the heading"]'),
+)
+CODING = Stake(
+    "answers would count one too high, or not at all",
+    88,
+    'in the questionnaire: coded_from = 0, answers = { word = 0 } or missing = ["word"]',
+)
+CONDITIONS = Stake("conditions would be compared that were none", 86, _CONDITION)
+TIMEPOINTS = Stake(
+    "before and after would be exchanged",
+    84,
+    "in the table or the questionnaire: timepoint = …; or "
+    + words_line("timepoints", 'baseline = ["the word"]'),
+)
+STAYED = Stake(
+    "who stayed would count as having left, or the other way round", 76, "in left_at: planned_s = …"
+)
+_ITEMS = 'below items: item = "the heading"'
+ITEM_ORDER = Stake("every answer would count for another symptom", 82, _ITEMS)
+NAMES_OF_FILES = Stake(
+    "answers would be of other people or conditions",
+    80,
+    'in the table: file_name = "{participant}_{condition}_{*}"',
+)
+DIRECTION = Stake(
+    "a low answer would count as a high one", 75, "in the questionnaire: reverse_coded = true"
+)
+ITEM = Stake("an answer would count for another symptom", 74, _ITEMS)
+INSTRUMENT = Stake(
+    "scores would be made by another formula", 72, 'in the questionnaire: instrument = "…"'
+)
+SHORT_FORM = Stake(
+    "a questionnaire would be scored as if it had been shorter",
+    70,
+    f"{_ITEMS}, for each that is taken out of not_asked",
+)
+SCORE_KIND = Stake("scores would be called what they are not", 68, 'below scores: kind = "other"')
+SAME_PERSON = Stake(
+    "one person would count as two", 66, 'in `participant`: values = { p1 = "P01" }'
+)
+SAME_CONDITION = Stake(
+    "one condition would count as two", 64, 'in `condition`: values = { a = "A" }'
+)
+TIMES = Stake(
+    "times to a rating, areas and slopes would be of another unit",
+    62,
+    'in the questionnaire: time_unit = "min"',
+)
+ORDER = Stake(
+    "exposures would be numbered in another order",
+    55,
+    words_line("facts", 'trial.labels = ["the heading"]'),
+)
+ROWS = Stake("rows with answers would be missing", 50, _OUTCOMES)
+CURIOUS = Stake("something is left out that an analysis might need", 10, _OUTCOMES)
+OWN = Stake(
+    "columns would be questions that are none, or have other ends of their scale",
+    60,
+    f"below instruments: answers = {{ low = 1, high = 7 }}; {_NO_OUTCOMES}",
+)
+LEFT = Stake("columns would be outcomes that are none", 58, _NO_OUTCOMES)
 
 
 class OpenDoubt(NamedTuple):
@@ -59,6 +132,8 @@ class OpenDoubt(NamedTuple):
         The consequence if the assumption is wrong.
     rank
         How much depends on the answer; the highest ranks are asked.
+    instead
+        The line to write if the assumption is wrong.
     like
         Doubts with one such text are asked as one.
     """
@@ -67,6 +142,7 @@ class OpenDoubt(NamedTuple):
     assumed: str
     otherwise: str = ""
     rank: int = _ORDINARY
+    instead: str = ""
     like: str = ""
 
     @property
@@ -167,8 +243,9 @@ def _joined(doubts: Iterable[OpenDoubt]) -> list[OpenDoubt]:
 
 
 def _said(doubt: OpenDoubt) -> dict[str, object]:
-    said = {"question": doubt.question, "assumed": doubt.assumed, "otherwise": doubt.otherwise}
-    return {key: text for key, text in said.items() if text}
+    said = doubt._asdict()
+    keys = ("question", "assumed", "otherwise", "instead")
+    return {key: said[key] for key in keys if said[key]}
 
 
 def placed_in_short(drafts: Sequence[TomlDraft]) -> list[TomlDraft]:

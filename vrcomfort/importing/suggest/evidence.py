@@ -18,7 +18,13 @@ from typing import NamedTuple
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.heading_roles import OPINIONS, Roles, is_personal, names_fact
+from vrcomfort.importing.suggest.heading_roles import (
+    OPINIONS,
+    PREFERENCES,
+    Roles,
+    is_personal,
+    names_fact,
+)
 from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, LabVocabulary, tokens
 from vrcomfort.importing.text_files import KEY
 from vrcomfort.questionnaire import plain
@@ -485,8 +491,8 @@ RECURRING_NAMES = CellEvidence(
     "participant", "names, each in several rows", 15, _recurring_names,
     "Does {heading!r} tell participants apart?", "it does; they are numbered, without their names",
 )  # fmt: skip
-CODES = (CODES_IN_ROWS, CODES_UNDER_NAME)
-"""Evidence of codes that are people's, whatever files are called."""
+CODES = (CODES_IN_ROWS, CODES_UNDER_NAME, RECURRING_NAMES)
+"""Evidence of codes and names that are people's, whatever files are called."""
 COUNTS_EXPOSURES = CellEvidence(
     "condition", "a number of exposures", 20, _counts_exposures,
     "Is {heading!r} the condition?", "it is, for want of another",
@@ -559,8 +565,11 @@ def candidates(role: str, columns: Iterable[int], context: Context) -> list[Cand
     rows = sorted((each for each in CELLS if each.role == role), key=lambda each: -each.weight)
     found = []
     for column in dict.fromkeys(columns):
+        if column in context.roles.outcomes:
+            continue
         words = tokens(context.table.headings[column])
-        if role == "condition" and len(words) >= FEWEST_OF_SENTENCE and OPINIONS & {*words}:
+        asks = len(words) >= FEWEST_OF_SENTENCE and (OPINIONS | PREFERENCES) & {*words}
+        if role == "condition" and asks:
             continue  # a question of the lab's own
         heaviest = next((each for each in rows if each.test(context, column)), None)
         if heaviest is not None:

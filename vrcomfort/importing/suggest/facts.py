@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Sequence
+from itertools import combinations
 
 from vrcomfort.importing.suggest.codes import codes_in
 from vrcomfort.importing.suggest.conditions import Conditions
@@ -35,7 +36,7 @@ from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.names_of_files import names_with_folders, parts_of_names
 from vrcomfort.importing.suggest.people import People
 from vrcomfort.importing.suggest.shared_codes import JUDGED, is_shown_in_turn
-from vrcomfort.importing.suggest.vocabulary import tokens
+from vrcomfort.importing.suggest.vocabulary import covariate_name, tokens
 
 _GUESSED_TIMEPOINTS = (BASELINE_AMONG_CONDITIONS, OTHER_TIMEPOINTS)
 _FEWEST_ROWS = 3
@@ -234,7 +235,7 @@ class _Facts(People):
         ]
         if not self._roles.facts.get("session"):
             wanted.append("session")
-        if self._moments_of_files():
+        if self._moments_of_files() or self._ask_otherwise():
             wanted = [fact for fact in wanted if fact == "participant"]
         sheets = [table.sheet for table in answers.tables]
         stems = names_with_folders([table.file for table in answers.tables])
@@ -270,6 +271,11 @@ class _Facts(People):
         words = {*texts(self._table, found[0].column)}
         said = [{*table.column(found[0].column)} & words for table in self._answers.tables]
         return all(len(each) <= 1 for each in said)
+
+    def _ask_otherwise(self) -> bool:
+        """Return whether each file has other questions, a row for each: its name says which."""
+        items = [{*t.column(c)} for c in self._answers.row_keys[:1] for t in self._answers.tables]
+        return len(items) > 1 and all(not one & two for one, two in combinations(items, 2))
 
     def _has_people(self, named: Sequence[str]) -> bool:
         """Return whether each of some files, called by words, has the rows of several people.
@@ -445,8 +451,3 @@ class _Facts(People):
             names = (word, *(f"{word}_{n}" for n in range(2, len(there) + 3)))
             there[next(name for name in names if name not in there)] = column
             self._context.used.add(column)
-
-
-def covariate_name(heading: str) -> str:
-    """Return a name for a column of participants.csv."""
-    return "_".join("".join(c if c.isalnum() else " " for c in heading.casefold()).split()) or "x"

@@ -12,7 +12,7 @@ from vrcomfort.importing.suggest.draft import CONDITIONS, TIMEPOINTS, OpenDoubt
 from vrcomfort.importing.suggest.evidence import MOST_CONDITIONS, few_texts, texts
 from vrcomfort.importing.suggest.heading_roles import roles_of
 from vrcomfort.importing.suggest.table_draft import TableDraft
-from vrcomfort.importing.suggest.vocabulary import LabVocabulary
+from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
 
 _AFTER_A_WORD = re.compile(r"[^{]*\w[^{]*\{condition\}")
 _FEWEST = 2
@@ -90,13 +90,23 @@ def _groups_in(table: SourceTable, heading: str, vocabulary: LabVocabulary) -> d
 def say_moments_of_files(drafts: Sequence[TableDraft], vocabulary: LabVocabulary) -> None:
     """Let names such as ``pre_study`` and ``post_study`` of files say the moment; and ask."""
     said: dict[str, str] = {}
-    silent = []
-    for draft in drafts:
-        stems = [table.file.stem for table in draft.tables if not table.sheet]
+    silent: list[tuple[TableDraft, str]] = []
+    others = []
+    for draft in [draft for draft in drafts if not draft.table.sheet]:
+        stems = [table.file.stem for table in draft.tables]
         moments = {stem: when for stem in stems if (when := vocabulary.timepoint(stem))}
-        if draft.draft.values.get("timepoint") == _AFTER and len({*moments.values()}) == 1:
+        if draft.draft.values.get("timepoint") != _AFTER:
+            continue
+        if len({*moments.values()}) == 1:
             silent.append((draft, next(iter(moments.values()))))
             said |= moments
+        else:
+            others.append((draft, stems))
+    after = {_without_moment(s, vocabulary) for s, when in said.items() if when == "post"}
+    for draft, stems in others:  # answers_post beside answers
+        if {_without_moment(stem, vocabulary) for stem in stems} <= after:
+            silent.append((draft, "baseline"))
+            said |= dict.fromkeys(stems, "baseline")
     if len({*said.values()}) < 2:
         return
     for draft, when in silent:
@@ -105,6 +115,10 @@ def say_moments_of_files(drafts: Sequence[TableDraft], vocabulary: LabVocabulary
     question = f"Do the names of the files say the moment ({', '.join(said)})?"
     assumed = ", ".join(f"{stem} is {when}" for stem, when in said.items())
     silent[0][0].doubts.append(OpenDoubt(question, f"they do: {assumed}", *TIMEPOINTS))
+
+
+def _without_moment(stem: str, vocabulary: LabVocabulary) -> tuple[str, ...]:
+    return tuple(word for word in tokens(stem) if word not in vocabulary.timepoints)
 
 
 _AFTER = {"constant": "post"}

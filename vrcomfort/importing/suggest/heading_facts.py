@@ -59,10 +59,11 @@ def _telling(contexts: Sequence[Sequence[str]], vocabulary: LabVocabulary) -> se
 
     Fillers do, and codes of two letters that could be timepoints: ``po`` beside ``pd`` and ``pe``.
     """
+    told = {word for name in vocabulary.conditions for word in name.split("_")}
     if len({*map(len, contexts)}) > 1:
-        return set()
+        return told
     fillers, times = vocabulary.condition_fillers, vocabulary.timepoints
-    return {
+    return told | {
         word
         for words in zip(*contexts, strict=True)
         for word in words

@@ -19,6 +19,7 @@ from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.vocabulary import (
     FEWEST_OF_SENTENCE,
     IGNORED,
+    OUTCOME,
     UNSPACED,
     LabVocabulary,
     tokens,
@@ -40,6 +41,8 @@ class Roles:
         Columns that no analysis needs.
     unknown
         All others.
+    outcomes
+        Those among them that a lab says are answers or measurements.
     alike
         Fact → columns that are as likely as the likeliest.
     """
@@ -48,6 +51,7 @@ class Roles:
     covariates: dict[str, int] = field(default_factory=dict)
     metadata: list[int] = field(default_factory=list)
     unknown: list[int] = field(default_factory=list)
+    outcomes: set[int] = field(default_factory=set)
     alike: dict[str, list[int]] = field(default_factory=dict)
 
     def forget(self, column: int) -> None:
@@ -79,14 +83,14 @@ def _conditions(vocabulary: LabVocabulary) -> Set[str]:
 
 
 def _own_label(text: str, vocabulary: LabVocabulary) -> list[str]:
-    key = plain(text)
-    return [vocabulary.own_roles[key]] if key in vocabulary.own_roles else []
+    return [role] if (role := vocabulary.told(text)) else []
 
 
 def _fact_word(text: str, vocabulary: LabVocabulary, *, most: int) -> list[str]:
     said = tokens(text)
     words = set(said)
-    if len(words) > most or (len(said) >= FEWEST_OF_SENTENCE and said[0] in OPINIONS):
+    sentence = len(said) >= FEWEST_OF_SENTENCE
+    if len(words) > most or (sentence and (said[0] in OPINIONS or words & PREFERENCES)):
         return []
     pairs = ((vocabulary.numbered.get(word), number) for word, number in pairwise(said))
     if len(said) > _PAIR and any(f == "condition" and n.isdecimal() for f, n in pairs):
@@ -97,6 +101,10 @@ def _fact_word(text: str, vocabulary: LabVocabulary, *, most: int) -> list[str]:
 _PAIR = 2
 OPINIONS = frozenset(["how", "i", "wie", "ich"])
 """Words with which questions begin that ask no fact: how comfortable was this condition?"""
+
+
+PREFERENCES = frozenset(["best", "worst", "like", "dislike", "prefer", "preferred"])
+"""Words of sentences that ask what people liked: which mode do you like best?"""
 
 
 def _label_inside(text: str, vocabulary: LabVocabulary) -> list[str]:
@@ -167,7 +175,7 @@ HEADINGS: tuple[HeadingEvidence, ...] = (
     HeadingEvidence(
         "a label of a covariate",
         60,
-        lambda t, v: _label(t, v, lambda r: r not in {*FACTS, IGNORED}),
+        lambda t, v: _label(t, v, lambda r: r not in {*FACTS, IGNORED, OUTCOME}),
     ),
     HeadingEvidence("a label in a heading without spaces", 55, _label_inside),
     HeadingEvidence("a word for a covariate, among at most 6 words", 50, _covariate_word),
@@ -198,7 +206,9 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
             weight += _OWN_NAME
         if outer and merged[outer] > 1 and role not in {*FACTS, IGNORED}:
             role, weight = _heaviest((inner,), vocabulary)  # Hand tracking / SUS: no handedness
-        if not role:
+        if role == OUTCOME:
+            roles.outcomes.add(column)
+        if role in {"", OUTCOME}:
             roles.unknown.append(column)
         elif role == IGNORED:
             roles.metadata.append(column)

@@ -19,7 +19,7 @@ from vrcomfort.importing.made_instruments import MOST, MOST_DECIMALS
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.answer_scales import FEWEST_ANSWERS, is_missing, scale_of
 from vrcomfort.importing.suggest.codings import missing_codes
-from vrcomfort.importing.suggest.draft import CODING, CURIOUS, OpenDoubt, Stake
+from vrcomfort.importing.suggest.draft import CODING, CURIOUS, LEFT, OpenDoubt
 from vrcomfort.importing.suggest.evidence import Context, is_identifier, is_numeric, texts
 from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.items import Found
@@ -47,12 +47,15 @@ def left_over(context: Context, columns: Iterable[int]) -> LeftOver:
     """Return what the columns of numbers are taken for that have no role."""
     table, found = context.table, LeftOver({}, {})
     for column in sorted({*columns} - context.used):
-        if _numbers_rows(context, column):
+        told = column in context.roles.outcomes
+        if _numbers_rows(context, column) and not told:
             continue
-        reason = _reason(context, column)
+        reason = "" if told else _reason(context, column)
         reading = reading_of(table, column, context.vocabulary)
         if reading is not None and not reason:
             found.taken[column] = reading
+        elif told:
+            found.reasons[column] = "they are no numbers, and no words with an order"
         elif is_numeric(table, column):
             found.reasons[column] = reason or "a number that is too large, or too few of them"
     return found
@@ -171,7 +174,6 @@ def ask_of_left(
     return doubts
 
 
-LEFT = Stake("columns would be outcomes that are none", 58)
 _TAKEN_FOR: Mapping[How, tuple[str, str]] = {
     "left": ("questions or ratings", "on the narrowest usual scale of all answers"),
     "measure": ("measurements", "as they stand"),

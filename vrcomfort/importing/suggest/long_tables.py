@@ -174,8 +174,9 @@ def stands_on_its_side(grid: Grid, known: Known) -> bool:
         return False
     people = [*filter(None, rows[0][1:])]
     timed = bool({*tokens(rows[0][0])} & known.vocabulary.units)
-    if timed and len(people) > 1 and all(map(PERSON_CODE.fullmatch, people)):
-        return True  # ratings of a time in each row
+    coded = timed and len(people) > 1 and all(map(PERSON_CODE.fullmatch, people))
+    if coded or _are_counted(rows[0], first, known):
+        return True  # ratings of a time in each row, or participants 1, 2, 3 … at the top
     top = {plain(word) for cell in rows[0] for word in (cell, *tokens(cell)) if len(word) > 1}
     if top & {*map(plain, known.vocabulary.totals)}:
         return False  # means and deviations of groups
@@ -187,6 +188,17 @@ def stands_on_its_side(grid: Grid, known: Known) -> bool:
         if len({*named}) >= 4 and len(named) * 2 >= len(first):
             return True
     return _numbered_on_its_side(grid, first, known)
+
+
+def _are_counted(top: Sequence[str], first: Sequence[str], known: Known) -> bool:
+    """Return whether participants 1, 2, 3 … stand at the top, and words below their heading."""
+    people = [*filter(None, top[1:])]
+    counted = people == [str(n) for n in range(1, 1 + len(people))]
+    named = counted and names_fact(top[0], "participant", known.vocabulary)
+    return named and len(people) >= _FEWEST_COUNTED and not any(map(is_number, first))
+
+
+_FEWEST_COUNTED = 5
 
 
 def _filled_width(row: Sequence[str]) -> int:
@@ -308,7 +320,7 @@ def _asks_otherwise(
         asked = {row[column]: row[other] for row in table.rows if row[column] in words}
         always = all(asked.get(row[column], row[other]) == row[other] for row in table.rows)
         sentences = [text for text in asked.values() if len(tokens(text)) >= FEWEST_OF_SENTENCE]
-        if other == column or not always or len({*sentences}) < len(words):
+        if not always or len({*sentences}) < len(words):
             continue
         found = (named_item(other, t, "", instrument, known.vocabulary) for t in sentences)
         return sum(each is not None for each in found) * 2 < len(sentences)

@@ -26,7 +26,7 @@ from vrcomfort.importing.suggest.answer_scales import (
 )
 from vrcomfort.importing.suggest.block_conditions import numbered_conditions
 from vrcomfort.importing.suggest.crossed_words import crossed, differing
-from vrcomfort.importing.suggest.draft import OpenDoubt, Stake, TomlDraft
+from vrcomfort.importing.suggest.draft import OWN, OpenDoubt, TomlDraft
 from vrcomfort.importing.suggest.evidence import asks_name, is_numeric, texts, varies_within
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
 from vrcomfort.importing.suggest.item_names import How
@@ -51,7 +51,6 @@ from vrcomfort.importing.suggest.vocabulary import (
 from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
 
-OWN = Stake("columns would be questions that are none, or have other ends of their scale", 60)
 _FEWEST_STEPS = 2
 _SENTENCE = 4
 """Words of a heading that is a sentence."""
@@ -98,6 +97,7 @@ class OwnQuestions:
         self._vocabulary = known.vocabulary
         self._roles = roles_of(table, columns, known.vocabulary)
         self._apart = {word for context in contexts for word in context}
+        self._apart |= {w for name in known.vocabulary.conditions for w in name.split("_")}
         self._headings = shared_stems(table.headings)
         self._labels = shared_stems(table.labels)
         items = any(
@@ -118,6 +118,29 @@ class OwnQuestions:
         }
 
         self._scales |= {c: each.scale for c, each in left.items() if not each.measured}
+        self.conditions = self._codes_of_conditions()
+        """Codes before the same numbers each, which are conditions: ``A_1`` … and ``B_1`` …"""
+        self._apart |= {word for code in self.conditions for word in code}
+
+    def _codes_of_conditions(self) -> list[tuple[str, ...]]:
+        """Return the codes before runs of the same numbers, where people met all in an order.
+
+        So they did where codes are letters, or a column has the order.
+        """
+        series: dict[tuple[str, ...], list[str]] = defaultdict(list)
+        for column in self._scales:
+            *code, last = tokens(self._table.headings[column])
+            if code and last.isdecimal():
+                series[tuple(code)].append(last)
+        alike: dict[tuple[str, ...], list[tuple[str, ...]]] = defaultdict(list)
+        for words, numbers in series.items():
+            no_name = {*words} & (self._vocabulary.timepoints.keys() | {*self._vocabulary.numbered})
+            if len(numbers) >= FEWEST_OF_SERIES and not no_name:
+                alike[tuple(numbers)].append(words)
+        codes = max(alike.values(), key=len, default=[])
+        letters = all(len(code) == len(code[0]) == 1 for code in codes)
+        ordered = "sequence" in self._roles.covariates and not self._roles.facts.get("condition")
+        return codes if len(codes) > 1 and (letters or ordered) else []
 
     @cached_property
     def courses(self) -> list[FoundCourse]:
@@ -196,17 +219,23 @@ class OwnQuestions:
 
     def _in_runs(self, questions: list[OwnQuestion]) -> list[OwnQuestion]:
         """Tell runs of questions apart that repeat in the same order, by their numbers."""
-        bare = [_REPEATED.sub("", self._table.headings[each.column]) for each in questions]
-        if len({*bare}) == len(bare):
-            return questions
+        said = {
+            each.column: _REPEATED.sub("", self._table.headings[each.column]) for each in questions
+        }
+        again = {text for text, count in Counter(said.values()).items() if count > 1}
+        once = [each for each in questions if said[each.column] not in again]
+        questions = [each for each in questions if said[each.column] in again]
+        bare = [said[each.column] for each in questions]
+        if not again:
+            return once
         for size in range(1, len(bare) // 2 + 1):
             runs = [bare[start : start + size] for start in range(0, len(bare), size)]
             if all(run == runs[0] for run in runs):
                 break
         else:
-            return questions
+            return sorted([*once, *questions], key=lambda each: each.column)
         often = Counter(runs[0])
-        found = []
+        found = once
         for place, (each, text) in enumerate(zip(questions, bare, strict=True)):
             run, within = divmod(place, size)
             number_within = runs[0][: within + 1].count(text)
@@ -216,9 +245,12 @@ class OwnQuestions:
 
     def _asked_again(self, asking: Sequence[int], rated: set[int]) -> list[int]:
         """Return other columns with the same question in another administration."""
-        asked = {plain(self._question(c).text) for c in asking}
+        asked = {self._asked(c) for c in asking}
         open_ = {*self._roles.unknown} & {*self._scales} - rated - {*asking}
-        return [c for c in sorted(open_) if plain(self._question(c).text) in asked]
+        return [c for c in sorted(open_) if self._asked(c) in asked]
+
+    def _asked(self, column: int) -> str:
+        return plain(_REPEATED.sub("", self._question(column).text))
 
     @cached_property
     def _families(self) -> dict[str, list[int]]:
@@ -303,6 +335,8 @@ class OwnQuestions:
 
     def _is_made_of(self, column: int, columns: Sequence[int]) -> bool:
         """Return whether a mean or a total stands beside the questions that it is made of."""
+        if column in self._roles.outcomes:
+            return False
         others = [c for c in sorted(columns) if c != column]
         left = self._left.get(column)
         scale = left.scale if left is not None else self._scales[column]
@@ -456,6 +490,7 @@ class OwnQuestions:
         """Take words for conditions out of questions, unless a column says the condition."""
         there = [c for c in self._roles.facts.get("condition", ()) if texts(self._table, c)]
         said = there and not numbered_conditions(self._table, self._vocabulary)
+        said = said or any(self._vocabulary.told(h) == "condition" for h in self._table.headings)
         return questions if said else crossed(questions, self._vocabulary)
 
 

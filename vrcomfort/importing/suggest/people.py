@@ -53,7 +53,8 @@ class People(FactDraft):
                 self._ask_which([corrected, columns[0]])
                 return
             columns = [c for c in columns if c in self._roles.alike["participant"]]
-            if len(columns) > 1:
+            same = {tuple(self._table.column(column)) for column in columns}
+            if len(same) > 1:
                 self._ask_which(columns)
 
     def _ask_which(self, columns: Sequence[int]) -> None:

@@ -8,8 +8,9 @@ from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations
 from typing import Any
 
+from vrcomfort.importing.convert import ANSWERED_AGAIN
 from vrcomfort.importing.rows import Imported, alike
-from vrcomfort.importing.suggest.draft import CURIOUS, PEOPLE, SAME_PERSON, OpenDoubt
+from vrcomfort.importing.suggest.draft import CURIOUS, ORDER, PEOPLE, SAME_PERSON, OpenDoubt
 from vrcomfort.importing.suggest.shared_codes import OF_EXPOSURES
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.settings import toml_value
@@ -85,6 +86,18 @@ def say_contradictions(drafts: Sequence[TableDraft]) -> bool:
             assumed = "the other: here it is no fact of people"
             draft.doubts.append(OpenDoubt(question, assumed, *CURIOUS))
     return found
+
+
+def count_exposures(drafts: Sequence[TableDraft], refusal: str) -> bool:
+    """Count exposures in the order of the rows, where that is why files are refused; and ask."""
+    if ANSWERED_AGAIN not in refusal:
+        return False
+    open_ = [d for d in drafts if d.known and not {"trial", "left_at"} & d.draft.values.keys()]
+    for draft in open_:
+        draft.draft.put("trial", {"count": True}, "exposures in the order of the rows")
+        question = "Do people have several rows of one condition, in the order of time?"
+        draft.doubts.append(OpenDoubt(question, "they do; exposures are numbered so", *ORDER))
+    return bool(open_)
 
 
 def _leave_out_fact(values: dict[str, Any], name: str) -> str:

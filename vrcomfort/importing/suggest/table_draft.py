@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 from math import prod
@@ -35,6 +36,7 @@ from vrcomfort.importing.suggest.block_conditions import (
 from vrcomfort.importing.suggest.draft import (
     CONDITIONS,
     LAYOUT,
+    LEFT,
     ORDER,
     PEOPLE,
     SAME_CONDITION,
@@ -49,13 +51,13 @@ from vrcomfort.importing.suggest.draft import (
 )
 from vrcomfort.importing.suggest.evidence import Context, texts
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
-from vrcomfort.importing.suggest.facts import covariate_name, draft_facts
+from vrcomfort.importing.suggest.facts import draft_facts
 from vrcomfort.importing.suggest.heading_facts import heading_facts, template_of
 from vrcomfort.importing.suggest.heading_roles import PERSON_CODE, is_personal, roles_of
 from vrcomfort.importing.suggest.items import Found, FoundAnswers
 from vrcomfort.importing.suggest.kept_rows import KeptRows
 from vrcomfort.importing.suggest.leaving import find_leaving
-from vrcomfort.importing.suggest.left_over import LEFT, ask_to_leave_out, left_over
+from vrcomfort.importing.suggest.left_over import ask_to_leave_out, left_over
 from vrcomfort.importing.suggest.own_instruments import TakenFor
 from vrcomfort.importing.suggest.own_questions import ask_about
 from vrcomfort.importing.suggest.questionnaires import (
@@ -68,7 +70,7 @@ from vrcomfort.importing.suggest.scores import (
     by_kind,
     rise_from_first,
 )
-from vrcomfort.importing.suggest.vocabulary import Known, tokens, words_of
+from vrcomfort.importing.suggest.vocabulary import Known, covariate_name, tokens, words_of
 from vrcomfort.questionnaire import Instrument
 
 _OF_WHAT_WAS_USED = frozenset(["ipq", "nasa_tlx", "sus"])
@@ -140,6 +142,9 @@ class TableDraft(KeptRows):
         self._files()
         self._answers = AnswerColumns(self.table, known, left)
         self._keep_answered(self._answers)
+        if codes := self._answers.codes:
+            question = f"Do {', '.join(codes)} before the same numbers each say the condition?"
+            self.doubts.append(OpenDoubt(question, "they do", *CONDITIONS))
         others = [c for c in range(len(self.table.headings)) if c not in self._answers.taken]
         self._leaving = find_leaving(self.table, others, known)
         times = self._leaving.columns if self._leaving else {}
@@ -403,6 +408,8 @@ class TableDraft(KeptRows):
         So they are before exposure.
         """
         blocks = [each for each in found if isinstance(each, Found)]
+        often = Counter(each.instrument for each in blocks)
+        blocks = [each for each in blocks if often[each.instrument] > 1]
         if not blocks or {each.instrument.name for each in blocks} & _OF_WHAT_WAS_USED:
             return False
         means = []
@@ -420,6 +427,9 @@ class TableDraft(KeptRows):
             for text in (*self.table.labels, *self.table.headings)
             for word in words_of(text)
         }
+        if said in self._vocabulary.conditions:
+            self.labels[said] = self._vocabulary.conditions[said]
+            return facts
         parts = [words.get(word, word) for word in said.split("_")]
         if not said:
             return facts
@@ -724,6 +734,7 @@ class TableDraft(KeptRows):
         pairs = zip(self._answers[OWN], facts, strict=True)
         asked = [(each, "condition" in own) for b, own in pairs for each in b.items.values()]
         left = {each.column: has for each, has in asked if each.how in {"left", "measure"}}
+        left = {c: has for c, has in left.items() if c not in self._roles.outcomes}
         who = [] if self.people is None else texts(self.table, self.people)
         if len(who) == len(self.table.rows):
             of_people = {*self._roles.covariates.values()}
@@ -765,7 +776,8 @@ class TableDraft(KeptRows):
         return [
             column
             for column in (*self._roles.unknown, *measured)
-            if column not in self._made and column not in self._left_out
+            if column in self._roles.outcomes
+            or (column not in self._made and column not in self._left_out)
             if not sum_of(self.table, column, self._answers[BLOCKS], self._known)
             if not (self._answers.products and {*tokens(self.table.headings[column])} & sums)
         ]

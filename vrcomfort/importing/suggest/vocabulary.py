@@ -31,6 +31,8 @@ FOLDER = "vocabulary"
 """The folder of the shipped files, inside that of the instruments."""
 IGNORED = "ignored"
 """The role of columns that no analysis needs."""
+OUTCOME = "outcome"
+"""The role of columns that a lab says are questions, ratings or measurements."""
 _Words = tuple[str, ...]
 UNSPACED = re.compile("[\u3040-\u30ff\u3400-\u9fff\uac00-\ud7af]")
 """A letter of a language that is written without spaces, or with endings of one letter."""
@@ -103,6 +105,24 @@ class IgnoredLabels(Settings):
     """Those among `labels` of which each response has its own."""
     personal: _Words = ()
     """Headings of columns that may identify a person."""
+
+
+class OutcomeLabels(Settings):
+    """Headings of columns that are questions, ratings or measurements, whatever they look like."""
+
+    labels: _Words = ()
+
+
+class PeopleLabels(Settings):
+    """Headings of facts of people, which are called after them in participants.csv."""
+
+    labels: _Words = ()
+
+
+class ConditionWords(Settings):
+    """Words of headings of answers that say the condition."""
+
+    words: _Words = ()
 
 
 class TrialRunLabels(Settings):
@@ -223,6 +243,9 @@ class VocabularyFile(Settings):
     covariates: dict[Word, Labels] = Field(default_factory=dict)
     """Name in participants.csv → its headings."""
     ignored: IgnoredLabels = IgnoredLabels()
+    outcomes: OutcomeLabels = OutcomeLabels()
+    people: PeopleLabels = PeopleLabels()
+    conditions: ConditionWords = ConditionWords()
     trial_runs: dict[Word, TrialRunLabels] = Field(default_factory=dict)
     """Kind of column → its headings, and its texts in rows of trial runs."""
     measures: MeasureLabels = MeasureLabels()
@@ -288,19 +311,20 @@ class LabVocabulary:
         merged = _merged([file.model_dump() for file in files])
         self.own_roles = {key: role for file in own[::-1] for role, _, key in _labels(file)}
         """Label of a lab's own file → role."""
+        self.conditions = {"_".join(tokens(w)): w for w in merged["conditions"]["words"]}
+        """Words that say the condition, as headings are read → as they were written."""
         self.roles = {
             key: role
             for file in files[::-1]
             for role, _, text in _labels(file)
             for key in sorted(_keys(text))
         }
-        """Label → fact, covariate or `IGNORED`."""
+        """Label → fact, covariate, `IGNORED` or `OUTCOME`."""
         self.fact_words = _word_sets(merged["facts"], "words")
         self.covariate_words = _word_sets(merged["covariates"], "words")
         self.covariate_labels = _word_sets(merged["covariates"], "labels")
-        self.free_texts = _plain_set(merged["ignored"]["words"])
-        self.responses = _plain_set(merged["ignored"]["responses"])
-        self.personal = _plain_set(merged["ignored"]["personal"])
+        ignored = (merged["ignored"][key] for key in ("words", "responses", "personal"))
+        self.free_texts, self.responses, self.personal = map(_plain_set, ignored)
         self.trial_runs = {
             label: _plain_set(each["words"])
             for each in merged["trial_runs"].values()
@@ -312,11 +336,10 @@ class LabVocabulary:
         self.leaving = tuple(tuple(tokens(label)) for label in merged["leaving"]["labels"])
         """Labels of leaving times, as words."""
         self.leaving_words = _plain_set(merged["leaving"]["words"])
-        self.item_labels = _plain_set(merged["long"]["item"])
-        self.response_labels = _plain_set(merged["long"]["response"])
-        self.seconds = _plain_set(merged["ratings"]["seconds"])
-        self.time_words = _plain_set(merged["ratings"]["words"])
-        self.units = _plain_set(merged["ratings"]["units"])
+        long = (merged["long"][key] for key in ("item", "response"))
+        self.item_labels, self.response_labels = map(_plain_set, long)
+        rated = (merged["ratings"][key] for key in ("seconds", "words", "units"))
+        self.seconds, self.time_words, self.units = map(_plain_set, rated)
         self.numbered = _looked_up(merged["numbered"])
         """Word before a number → fact."""
         self.condition_fillers = _plain_set(merged["fillers"]["condition"])
@@ -342,6 +365,10 @@ class LabVocabulary:
         self._spellings: dict[Instrument, dict[str, str]] = {}
         self._sentences: dict[Instrument, tuple[WeighedSentence, ...]] = {}
         self._all_initials: dict[Instrument, dict[str, str]] = {}
+
+    def told(self, heading: str) -> str:
+        """Return the role that the lab's own files give a heading; blank where they are silent."""
+        return self.own_roles.get(plain(heading), "")
 
     def spellings(self, instrument: Instrument) -> Mapping[str, str]:
         """Return spelling → item; the instrument's own spellings win."""
@@ -459,6 +486,10 @@ def _labels(file: VocabularyFile) -> Iterator[tuple[str, KeyPath, str]]:
     for key in ("labels", "personal"):
         for place, text in enumerate(getattr(file.ignored, key)):
             yield IGNORED, ("ignored", key, place), plain(text)
+    for place, text in enumerate(file.people.labels):
+        yield covariate_name(text), ("people", "labels", place), plain(text)
+    for place, text in enumerate(file.outcomes.labels):
+        yield OUTCOME, ("outcomes", "labels", place), plain(text)
 
 
 def _problems(file: VocabularyFile) -> Iterator[Problem]:
@@ -485,6 +516,11 @@ def _merged(tables: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
             else:
                 merged[key] = (*(there or ()), *value)
     return merged
+
+
+def covariate_name(heading: str) -> str:
+    """Return a name for a column of participants.csv."""
+    return "_".join("".join(c if c.isalnum() else " " for c in heading.casefold()).split()) or "x"
 
 
 @cache

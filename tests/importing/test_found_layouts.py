@@ -1,0 +1,181 @@
+"""Layouts of other labs: repeated questions, codes of conditions, names of files, other people."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tests.importing.test_own_questions import answers, imported_from
+from tests.support.layouts import ENGLISH, PEOPLE, write
+from vrcomfort.importing.suggest import suggest_mapping
+
+EASY = ["I found it easy to move the robot", "I found it easy to see the details"]
+
+
+def test_questions_that_repeat_under_one_heading_are_of_as_many_conditions(tmp_path: Path) -> None:
+    head = ["Age", "How much fun was it?", *EASY * 3, "Which mode do you like best?"]
+    rows = [
+        [
+            20 + 3 * n % 17,
+            n % 3,
+            *[1 + (n + k) % 5 for k in range(4)],
+            5,
+            1 + n % 4,
+            "UI" if n % 2 else "Lab",
+        ]
+        for n in range(10)
+    ]
+    imported = imported_from(write(tmp_path / "x.csv", [head, *rows]))
+    assert {*imported.conditions} == {"1", "2", "3"}
+    third = {
+        k: v
+        for k, v in answers(imported, "i_found_it_easy_to_move_the_robot").items()
+        if k[1] == "3"
+    }
+    assert [*third.values()] == [5] * 10  # all gave one answer to it, and it is still there
+
+
+def test_codes_before_the_same_numbers_are_conditions_where_a_column_has_their_order(
+    tmp_path: Path,
+) -> None:
+    head = ["ID", "Order", *(f"{code}_{n}" for code in ("PnP", "HMD") for n in range(1, 5))]
+    rows = [[p, 1 + n % 2, *[(n + k) % 8 for k in range(8)]] for n, p in enumerate(PEOPLE)]
+    file = write(tmp_path / "x.csv", [head, *rows])
+    found = suggest_mapping([file])
+    assert found.imported is not None
+    assert {*found.imported.conditions} == {"Pn_P", "HMD"}
+    assert any("before the same numbers" in doubt for doubt in found.doubts)
+    assert answers(found.imported, "question_2")["P03", "HMD", "post"] == (2 + 5) % 8
+
+
+def test_names_of_files_that_no_one_word_tells_apart_say_conditions_in_two(tmp_path: Path) -> None:
+    files = []
+    for place, name in enumerate(("360_stereo", "360_mono", "cgi_stereo")):
+        for end, more in (("", 0), ("_post", 1)):
+            rows = [
+                [p, *[min(3, more + (n + k + place) % 3) for k in range(16)]]
+                for n, p in enumerate(PEOPLE)
+            ]
+            files.append(
+                write(
+                    tmp_path / f"{name}{end}_info.csv",
+                    [["ID", *ENGLISH][: 17 - more], *(r[: 17 - more] for r in rows)],
+                )
+            )
+    imported = imported_from(*files)
+    assert {*imported.conditions} == {"360_stereo", "360_mono", "cgi_stereo"}
+    # What is called as the answers after exposure are, but for that word, is from before.
+    assert {m.timepoint for _, m in imported.responses} == {"baseline", "post"}
+    assert answers(imported, "general_discomfort")["P02", "360_mono", "baseline"] == 2
+
+
+def test_names_that_recur_from_file_to_file_are_people_and_files_conditions(tmp_path: Path) -> None:
+    files = [
+        write(
+            tmp_path / f"{name}_speed.csv",
+            [
+                ["name", "WPM"],
+                *(
+                    [who, 5 + n * 1.3 + k]
+                    for n, who in enumerate(("cx", "cyl", "dyh", "fjy", "lhz"))
+                ),
+            ],
+        )
+        for k, name in enumerate(("Fan", "Fan+Cross", "Split"))
+    ]
+    imported = imported_from(*files)
+    assert {*imported.conditions} == {"Fan", "Fan+Cross", "Split"}
+    assert len(imported.participants) == 5
+    assert "cyl" not in imported.participants
+
+
+def test_participants_who_are_counted_at_the_top_stand_side_by_side(tmp_path: Path) -> None:
+    files = []
+    for place, name in enumerate(("2D", "3D")):
+        rows: list[list[object]] = [["ID", *range(1, 9)]]
+        rows += [
+            [f"errors{word}", *((n * k + place * n) % 4 for n in range(1, 9))]
+            for k, word in enumerate(("A", "B", "C"), 1)
+        ]
+        files.append(write(tmp_path / f"map_{name}.csv", rows))
+    imported = imported_from(*files)
+    assert {*imported.participants} == {str(n) for n in range(1, 9)}
+    assert answers(imported, "errors_b")["3", "2D", "post"] == 2
+
+
+def asked(*files: tuple[Path, str, list[str]]) -> list[Path]:
+    """Write files with a row for each answer, and the person twice."""
+    head = ["participant_id", "section", "index", "question", "answer", "pp"]
+    return [
+        write(
+            folder / f"{name}_raw.csv",
+            [
+                head,
+                *(
+                    [
+                        p,
+                        f"{name}-{k % 2}",
+                        k,
+                        text,
+                        ("7-strongly agree", "6", "5", "2")[(n + k) % 4],
+                        p,
+                    ]
+                    for n, p in enumerate(PEOPLE)
+                    for k, text in enumerate(texts)
+                ),
+            ],
+        )
+        for folder, name, texts in files
+    ]
+
+
+def test_files_with_other_questions_in_rows_are_no_conditions(tmp_path: Path) -> None:
+    one = [
+        f"I can use artificial intelligence for my {what}"
+        for what in ("work", "home", "goals", "art")
+    ]
+    two = [
+        f"I would rather make my own decisions about my {what}"
+        for what in ("work", "home", "goals", "art")
+    ]
+    found = suggest_mapping(asked((tmp_path, "ai", one), (tmp_path, "doc", two)))
+    assert found.imported is not None
+    assert {*found.imported.conditions} == {"all"}  # nor are sections, of which each has a part
+    assert not any("Which of the columns" in doubt for doubt in found.doubts)
+    values = {a for r in found.imported.responses.values() for a in r.answers.values()}
+    assert values == {7, 6, 5, 2}
+
+
+def test_numbered_sentences_are_no_items_of_a_questionnaire_of_as_many(tmp_path: Path) -> None:
+    rows = [
+        [k, f"{k}. I felt that I controlled part {k} of the virtual body", 1 + (n + k) % 7, p]
+        for n, p in enumerate(PEOPLE)
+        for k in range(1, 17)
+    ]
+    file = write(tmp_path / "x.csv", [["index", "question_text", "answer_index", "pp"], *rows])
+    imported = imported_from(file)
+    assert {instrument for instrument, _ in imported.responses} == {"own_questions"}
+    assert len({i for r in imported.responses.values() for i in r.answers}) == 16
+
+
+def test_a_person_who_answers_one_condition_twice_is_asked_about(tmp_path: Path) -> None:
+    rows = [[p, c, 1 + (n + k) % 5] for n, p in enumerate(PEOPLE) for c in "ab" for k in range(2)]
+    found = suggest_mapping([write(tmp_path / "x.csv", [["ID", "Condition", "comfort"], *rows])])
+    assert found.imported is not None
+    assert len(found.imported.responses) == 40
+
+
+def test_one_file_that_is_refused_with_other_columns_leaves_them_in_the_others(
+    tmp_path: Path,
+) -> None:
+    pen = [
+        ["ID", "Condition", "depth"],
+        *([p, c, 3.25 * n + k] for n, p in enumerate(PEOPLE) for k, c in enumerate("ab")),
+    ]
+    torn = [
+        ["ID", "Condition", "width"],
+        *([p, c, 2.75 * n] for n, p in enumerate(PEOPLE) for c in "ab"),
+    ]
+    torn.append(["P01", "a", 1.0e7])
+    files = [write(tmp_path / "one.csv", pen), write(tmp_path / "two.csv", torn)]
+    imported = imported_from(*files)
+    assert answers(imported, "depth")["P02", "b", "post"] == 4.25

@@ -1,0 +1,104 @@
+"""What a person writes where a draft is wrong: a line of a vocabulary, and a draft anew."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from tests.support.layouts import CONDITIONS, ENGLISH, PEOPLE, write
+from vrcomfort.importing.rows import Imported
+from vrcomfort.importing.suggest import draft as stakes
+from vrcomfort.importing.suggest import suggest_mapping
+
+
+def told(file: Path, words: str) -> Imported:
+    """Return what comes in by the mapping that a lab's own words lead to."""
+    own = file.with_name("words.toml")
+    own.write_text(words, encoding="utf-8")
+    found = suggest_mapping([file], vocabularies=[own]).imported
+    assert found is not None
+    return found
+
+
+def items_of(imported: Imported) -> set[str]:
+    return {item for response in imported.responses.values() for item in response.answers}
+
+
+@pytest.fixture
+def trials(tmp_path: Path) -> Path:
+    """Two displays and three distances each; hits, ease, and the number of a licence."""
+    head = [
+        "Person",
+        "Display",
+        "Distance",
+        "hit_score",
+        "ease_score",
+        "sum_x",
+        "Licence",
+        *ENGLISH,
+    ]
+    rows = [
+        [p, c, d, (n + d) % 2, 1 + (n * d) % 5, n % 3, 100 + n, *[(n + k) % 4 for k in range(16)]]
+        for n, p in enumerate(PEOPLE)
+        for c in CONDITIONS
+        for d in (1, 2, 4)
+    ]
+    return write(tmp_path / "trials.csv", [head, *rows])
+
+
+def test_columns_that_a_lab_calls_outcomes_come_in_whatever_they_look_like(trials: Path) -> None:
+    drafted = suggest_mapping([trials]).imported
+    assert drafted is not None
+    assert "sum_x" not in items_of(drafted)
+    imported = told(trials, '[outcomes]\nlabels = ["sum_x", "hit_score", "Distance"]\n')
+    assert {"sum_x", "hit_score", "distance"} <= items_of(imported)
+
+
+def test_an_outcome_is_no_item_of_a_questionnaire(tmp_path: Path) -> None:
+    rows = [[p, *[(n + k) % 4 for k in range(16)]] for n, p in enumerate(PEOPLE)]
+    file = write(tmp_path / "x.csv", [["ID", *ENGLISH], *rows])
+    imported = told(file, f'[outcomes]\nlabels = ["{ENGLISH[7]}"]\n')
+    ssq = [r for (instrument, _), r in imported.responses.items() if instrument == "ssq"]
+    assert ssq
+    assert all("nausea" not in response.answers for response in ssq)
+    assert "nausea" in items_of(imported)
+
+
+def test_columns_that_a_lab_calls_peoples_are_facts_named_after_their_headings(
+    trials: Path,
+) -> None:
+    imported = told(trials, '[people]\nlabels = ["Licence"]\n')
+    assert imported.participants["P03"]["licence"] == "102"
+
+
+def test_the_columns_that_a_lab_calls_conditions_are_all_of_them(trials: Path) -> None:
+    alone = told(trials, '[facts]\ncondition.labels = ["Display"]\n')
+    assert {*alone.conditions} == {*CONDITIONS}
+    both = told(trials, '[facts]\ncondition.labels = ["Display", "Distance"]\n')
+    assert {*both.conditions} == {f"{c}_{d}" for c in CONDITIONS for d in (1, 2, 4)}
+
+
+def test_words_of_headings_that_a_lab_calls_conditions_are_no_questions(tmp_path: Path) -> None:
+    head = ["ID", *(f"{word}_{n}" for word in ("Pen", "HmD") for n in range(1, 4))]
+    rows = [[p, *[(n + k) % 7 for k in range(6)]] for n, p in enumerate(PEOPLE)]
+    file = write(tmp_path / "x.csv", [head, *rows])
+    drafted = suggest_mapping([file]).imported
+    assert drafted is not None
+    assert {*drafted.conditions} == {"all"}
+    text = '[conditions]\nwords = ["Pen", "HmD"]\n'
+    imported = told(file, text)
+    assert {*imported.conditions} == {"pen", "hm_d"}
+    assert len(items_of(imported)) == 3
+    assert 'hm_d = "HmD"' in suggest_mapping([file], vocabularies=[tmp_path / "words.toml"]).text
+
+
+def test_each_doubt_says_what_to_write_if_it_is_wrong(trials: Path) -> None:
+    said = tomllib.loads(suggest_mapping([trials]).text)
+    doubts = [*said["doubts"], *said.get("guesses", ())]
+    assert doubts
+    assert all(doubt["instead"] for doubt in doubts)
+    named = [s for s in vars(stakes).values() if isinstance(s, stakes.Stake)]
+    assert len(named) > 20
+    assert all(stake.instead for stake in named)
