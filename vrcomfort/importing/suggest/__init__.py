@@ -57,8 +57,8 @@ from vrcomfort.questionnaire import Instrument, usual_instruments
 _TOP = (
     "What the columns of these files mean, as `vrcomfort import --suggest` understood them.",
     "Read it, mend what is wrong, and write an answer in each [[doubts]] below: while one is",
-    "open, the import is refused. Where an assumption is wrong, write what `instead` says: here, or",
-    "into words.toml, and suggest anew with --vocabulary words.toml (`vrcomfort docs import`).",
+    "open, the import is refused. Where an assumption is wrong, write what `instead` says: here,",
+    "or into words.toml, and suggest anew with --vocabulary words.toml (`vrcomfort docs import`).",
     "Every key: `vrcomfort docs import_mapping`.",
 )
 

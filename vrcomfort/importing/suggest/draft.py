@@ -207,7 +207,9 @@ def pattern_of(name: str) -> str:
 
 
 def _wrapped(value: object) -> str:
-    """Return a value as TOML writes it; the elements of a long list have a line each."""
+    """Return a value as TOML writes it: a long list in lines, quotation marks as they are."""
+    if isinstance(value, str) and '"' in value and value.isprintable() and "'" not in value:
+        return f"'{value}'"  # to be copied as it stands
     line = toml_value(value)
     if len(line) <= _WIDEST or not isinstance(value, list | tuple):
         return line

@@ -10,10 +10,11 @@ from itertools import pairwise
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.answer_columns import LAYOUTS, LONG, AnswerColumns
 from vrcomfort.importing.suggest.codings import missing_texts
-from vrcomfort.importing.suggest.draft import CONDITIONS, PEOPLE, ROWS, OpenDoubt, TomlDraft
+from vrcomfort.importing.suggest.draft import CONDITIONS, PEOPLE, ROWS, OpenDoubt
 from vrcomfort.importing.suggest.evidence import FIRST_COLUMNS
 from vrcomfort.importing.suggest.heading_roles import roles_of
 from vrcomfort.importing.suggest.long_tables import Long
+from vrcomfort.importing.suggest.read_tables import draft_reading
 from vrcomfort.importing.suggest.summary_rows import (
     notes_below,
     repeated_headings,
@@ -41,8 +42,7 @@ class KeptRows:
         self._vocabulary = vocabulary
         rows = tuple(row for table in tables for row in table.rows)
         self.table = replace(tables[0], rows=rows)
-        self.draft = TomlDraft()
-        self.doubts: list[OpenDoubt] = []
+        self.draft, self.doubts = draft_reading(tables)
         self._left_out = defaultdict(list, self._total_rows())
         """Column → texts of rows that are left out."""
         self._missing: dict[int, list[str]] = {}
@@ -51,6 +51,11 @@ class KeptRows:
         self._fill_down()
         self._said_once()
         self._rows_below()
+
+    @property
+    def files(self) -> list[str]:
+        """Return the names of the files."""
+        return list(dict.fromkeys(table.file.name for table in self.tables))
 
     def _total_rows(self) -> dict[int, list[str]]:
         """Take rows of means and sums out of the table; return column → their texts."""
