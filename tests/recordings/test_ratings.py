@@ -97,6 +97,14 @@ def test_a_wrong_cell_of_a_long_file_has_its_place(tmp_path, old, new, where):
     assert told.value.line == at + 2
 
 
+@pytest.mark.parametrize(("who", "told"), [("P1", "this rating of P1"), ("", "this rating")])
+def test_a_rating_without_a_moment_says_whose_it_is(tmp_path, who, told):
+    file = tmp_path / "ratings.csv"
+    file.write_text(f"participant,session,onset_s,response,missed\n{who},pre,,3,0\n", "utf-8")
+    with pytest.raises(InputError, match=rf"{told} has no onset_s; give seconds"):
+        read_ratings([file])
+
+
 def test_a_half_written_last_row_is_told_and_left_out(tmp_path):
     file = write(tmp_path, rows(ratings_each=4000))
     whole = sum(each.response.size for each in read_ratings([file]).series)

@@ -179,7 +179,7 @@ def test_an_exposure_begun_again_is_two_attempts(tmp_path):
     text = file.with_name("trials.csv").read_text()
     first, last = rows["session_s"].iloc[0], rows["session_s"].iloc[-1]
     header = text.splitlines()[0]
-    lines = [f"P01,1,1,a,temple,{first},{half - 0.02},aborted,1,0,0",
+    lines = [f"P01,1,1,a,temple,{first},{half - 0.02},aborted,,0,0",  # a blank is the first
              f"P01,1,1,a,temple,{half},{last},completed,2,0,0"]  # fmt: skip
     file.with_name("trials.csv").write_text("\n".join([header, *lines, ""]))
     (one, two), _ = frame_measures([file])

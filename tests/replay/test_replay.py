@@ -368,6 +368,16 @@ def test_the_ratings_that_are_shown_are_those_given_by_then(undrawn: Path) -> No
     assert rating_words([]) == "no rating yet"
 
 
+def test_it_is_noted_that_frames_have_no_row(undrawn: Path, tmp_path: Path) -> None:
+    study = Path(shutil.copytree(undrawn, tmp_path / "copy"))
+    notes = read_session(study / SESSION).notes
+    file = study / SESSION / "manifest.json"
+    manifest = json.loads(file.read_text("utf-8"))
+    file.write_text(json.dumps({**manifest, "frames_not_recorded": 3}), "utf-8")
+    (more,) = {*read_session(study / SESSION).notes} - {*notes}
+    assert more.endswith(": 3 frames that were shown have no row; they cannot be shown again")
+
+
 REFUSED: dict[str, tuple[tuple[str, ...], str]] = {
     "no place": ((), "give --video FILE.mp4, or --out FOLDER"),
     "no video": (("--video", "seen.avi"), "a video's name ends in .mp4"),
