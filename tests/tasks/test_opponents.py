@@ -74,6 +74,15 @@ def test_who_does_nothing_is_shot_as_often_as_the_settings_say():
     assert trial(task.finish(20.0)).deaths == 5
 
 
+def test_an_opponent_that_shoots_flashes():
+    task = settings(aims_s=1.0, shoots_every_s=0.5, hit_chance=0.0).start(around())
+    flashes = {}
+    for time_s in (0.0, 0.5, 0.99, 1.01, 1.2, 1.51):
+        task.step(TaskFrame(time_s, Pose()))
+        flashes[time_s] = task.balls()[2]
+    assert [time_s for time_s, flash in flashes.items() if flash] == [1.01, 1.51]
+
+
 def test_nobody_is_seen_after_a_death_and_opponents_hide_and_sway():
     task = settings(
         hit_chance=1.0, own_life_hits=1, away_s=4.0, shown_s=(8.0, 8.0), hidden_s=(1.0, 1.0)
