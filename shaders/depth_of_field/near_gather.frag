@@ -33,6 +33,9 @@ vec4 p_behind = texel_of(light_2[0], middle);
 float own_radius = p.a > 0.0 ? texel_of(radius[0], middle).r / p.a : 0.0;
 float radius_behind = p_behind.a > 0.0 ? texel_of(radius[0], middle).g / p_behind.a : 0.0;
 
+// A lamp is no veil: of it, what is hidden from the lens's point is missing; of other surfaces it goes on.
+float lamp_behind = clamp(max(max(p_behind.r, p_behind.g), p_behind.b) / OUTSHINES - 1.0, 0.0, 1.0);
+
 vec4 own = vec4(0.0);          // of p's surface
 vec4 behind = vec4(0.0);       // of the surface behind it
 vec4 nearer_only = vec4(0.0);  // of what is nearer than p
@@ -69,6 +72,23 @@ float texels_of_light(vec4 light, float radius_px, float texel_px) {
     float texels = texels_of(radius_px, texel_px);
     float white = max(max(light.r, light.g), light.b) / (PI * texels * texels);
     return texels - 0.5 * RIM_PX * max(0.5 - inversesqrt(6.0 * max(white, 1e-3)), 0.0);
+}
+
+// Part of a place that is covered by what is nearer: between texels of the finest level, whose silhouettes are
+// not cut to texels of a disc's own level.
+float nearer_part(vec2 at, float than_px) {
+    vec2 place = at - 0.5;
+    ivec2 first = ivec2(floor(place));
+    vec2 beside = place - vec2(first);
+    float found = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 step = ivec2(i & 1, i >> 1), texel = clamp(first + step, ivec2(0), last_texel);
+        vec2 share = mix(1.0 - beside, beside, vec2(step));
+        float part = texel_of(light[0], texel).a;
+        float q_px = part > 0.0 ? texel_of(radius[0], texel).r / part : 0.0;
+        found += share.x * share.y * part * nearer(than_px, q_px);
+    }
+    return found;
 }
 
 // Whether a level draws a disc that p wants.
@@ -125,10 +145,9 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
                 if (q2.a > 0.0) {
                     float q2_px = texel_of(radius_of, at).g / q2.a;
                     // Seen from here, the nearer surface hides it elsewhere.
-                    ivec2 by = clamp(ivec2(floor(place + off * (q_px / q2_px) + 0.5)), ivec2(0), last);
-                    vec4 front = texel_of(light_of, by);
-                    float front_px = front.a > 0.0 ? texel_of(radius_of, by).r / front.a : 0.0;
-                    vec4 comes_2 = (1.0 - front.a * nearer(q2_px, front_px)) * apart(q2_px) * part_on(level, -q2_px)
+                    vec2 by = gl_FragCoord.xy + 0.5 * texel_px * off * (q_px / q2_px);
+                    float hides = nearer_part(by, q2_px), hides_lamp = lamp_behind * hides;
+                    vec4 comes_2 = (1.0 - hides) * apart(q2_px) * part_on(level, -q2_px)
                                  * disc_share(away, texels_of_light(q2, -q2_px, texel_px)) * q2;
                     over_behind += comes_2;
                     over_farther += farther(last_px, q2_px) * comes_2;
@@ -137,8 +156,9 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
                     found += mix(visible, 1.0, far_before) * same * share * q2;
                     hidden += far_before * nearer(own_px, q2_px) * q2.a;
                     float beside_2 = nearer(radius_behind, q2_px);
-                    found_behind += mix(visible, 1.0, far_beside) * (1.0 - beside_2 - farther(radius_behind, q2_px)) * share_behind * q2;
-                    hidden_behind += far_beside * beside_2 * q2.a;
+                    float same_2 = 1.0 - beside_2 - farther(radius_behind, q2_px);
+                    found_behind += mix(visible, 1.0 - hides_lamp, far_beside) * same_2 * share_behind * q2;
+                    hidden_behind += far_beside * (beside_2 + hides_lamp * same_2) * q2.a;
                 }
                 seen -= hidden * share;
                 seen_behind -= hidden_behind * share_behind;

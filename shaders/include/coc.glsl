@@ -85,6 +85,9 @@ float margin_px(float radius) {
     return max(MARGIN_PX, MARGIN_PART * abs(radius));
 }
 
+// Light so many times brighter than white, and than what is nearer in its pixel, keeps a disc of its own.
+const float OUTSHINES = 8.0;
+
 // 0 where q is the surface of p or behind it, 1 where it is nearer.
 float nearer(float p, float q) {
     return clamp((p - q) / margin_px(p) - 1.0, 0.0, 1.0);

@@ -29,10 +29,6 @@
 #include "finite.glsl"
 #endif
 uniform sampler2DMS colors;
-#ifdef COC
-// A sample that is so many times brighter than white and the nearest one gives its light the blur.
-const float OUTSHINES = 8.0;
-#endif
 uniform sampler2DMS depths;
 layout(location = 0) out vec4 color;
 #ifdef VELOCITY

@@ -316,3 +316,51 @@ def test_a_near_lamp_is_white_as_far_as_through_the_lens(ctx, radius_px, samples
     lit = drawn(ctx, content, wanted, watch=False)[0]["linear"][..., 0]
     true = disc_of_lamp(radius_px)
     assert radius_px_of(lit, 1.0) == pytest.approx(radius_px_of(true, 1.0), abs=0.2)
+
+
+WIDE_PX, FOCAL_PX, DARK_LIGHT = (256, 128), 128, 0.1
+LAMP_AT, LAMP_SIDE_PX, LAMP_DISC_PX, BOARD_DISC_PX = np.array([3.0, -2.0]), 4, 9.0, 20.0
+FREE = np.array([0.4, 1.0]) / np.hypot(0.4, 1.0)
+"""From the board's edge to where nothing hides the lamp."""
+
+
+def place_m(at_px, distance_m):
+    return [*(np.array(at_px) * distance_m / FOCAL_PX), -distance_m]
+
+
+def half_hidden_lamp(hidden_px):
+    """A near lamp so far behind the slanted edge of a nearer board, before a wall as dark as it."""
+    lamp_m, board_m = (1 / (1 / FOCUS_M + each / 12.8) for each in (LAMP_DISC_PX, BOARD_DISC_PX))
+    along, edge = np.array([FREE[1], -FREE[0]]), LAMP_AT + hidden_px * FREE
+    ends = [edge - 400 * along, edge + 400 * along]
+    corners = [*ends, *(end - 400 * FREE for end in ends[::-1])]
+    board = mesh([place_m(each, board_m) for each in corners], [0, 1, 2, 0, 2, 3])
+    side = np.array([LAMP_SIDE_PX * lamp_m / FOCAL_PX] * 2 + [1.0])
+    nodes = [at(0, 0, 0), at(0, 0, -FOCUS_M, mesh=(1,)),
+             at(*place_m(LAMP_AT, lamp_m), mesh=(2,), scale=side)]  # fmt: skip
+    shine = [glowing((light,) * 3, double_sided=True) for light in (DARK_LIGHT, LAMP_LIGHT)]
+    return scene(nodes, [board, wall(40), wall(1, 1)], shine)
+
+
+def part_of_disc(hidden_px):
+    """Return (h, w) of the lamp's light: of each of its points, where the board lets it pass."""
+    y, x = np.mgrid[: WIDE_PX[1], : WIDE_PX[0]] + 0.5 - np.array(WIDE_PX)[::-1, None, None] / 2
+    spots = (np.arange(16) + 0.5) / 16 * LAMP_SIDE_PX - LAMP_SIDE_PX / 2
+    found = np.zeros(x.shape)
+    for right, up in LAMP_AT + np.stack(np.meshgrid(spots, spots), axis=-1).reshape(-1, 2):
+        away = np.stack([x - right, y - up])
+        # What of the board is seen in front of the lamp by the point of the lens that shows it here.
+        board = np.stack([x, y]) - away * BOARD_DISC_PX / LAMP_DISC_PX
+        edge = LAMP_AT + hidden_px * FREE
+        passes = np.tensordot(FREE, board - edge[:, None, None], axes=1) > 0
+        found += (np.hypot(*away) < LAMP_DISC_PX) & passes
+    return found / len(spots) ** 2 * LAMP_LIGHT * LAMP_SIDE_PX**2 / (np.pi * LAMP_DISC_PX**2)
+
+
+@pytest.mark.parametrize(("samples", "error"), [(16, 0.45), (36, 0.25), (96, 0.2)])
+def test_a_near_edge_cuts_a_lamp_s_disc_along_itself(ctx, samples, error):
+    """And not along rows and columns of texels, on however coarse a level the disc is summed."""
+    content = half_hidden_lamp(hidden_px=3.0)
+    found = drawn(ctx, content, condition(samples=samples), watch=False, size_px=WIDE_PX)[0]
+    true = part_of_disc(hidden_px=3.0)
+    assert rms(found["linear"][..., 0] - DARK_LIGHT - true) < error * rms(true)
