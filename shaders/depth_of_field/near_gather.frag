@@ -33,8 +33,13 @@ vec4 p_behind = texel_of(light_2[0], middle);
 float own_radius = p.a > 0.0 ? texel_of(radius[0], middle).r / p.a : 0.0;
 float radius_behind = p_behind.a > 0.0 ? texel_of(radius[0], middle).g / p_behind.a : 0.0;
 
+// 1 for what is much brighter than white, which hardly is wider than what is seen of it.
+float lamp_part(vec4 light) {
+    return clamp(max(max(light.r, light.g), light.b) / OUTSHINES - 1.0, 0.0, 1.0);
+}
+
 // A lamp is no veil: of it, what is hidden from the lens's point is missing; of other surfaces it goes on.
-float lamp_behind = clamp(max(max(p_behind.r, p_behind.g), p_behind.b) / OUTSHINES - 1.0, 0.0, 1.0);
+float lamp_behind = lamp_part(p_behind);
 
 vec4 own = vec4(0.0);          // of p's surface
 vec4 behind = vec4(0.0);       // of the surface behind it
@@ -121,13 +126,16 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
         for (int x = int(ceil(place.x - cells)); x <= right; ++x) {
             ivec2 at = clamp(ivec2(x, y), ivec2(0), last);
             vec4 q = texel_of(light_of, at);
+            bool outside = at != ivec2(x, y);
+            float known = outside ? 1.0 - lamp_part(q) : 1.0;  // the image's border goes on, but no lamp
             vec2 off = vec2(float(x), float(y)) - place;
             float away = length(vec2(off.x, row));
             float share = disc_share(away, own_texels), share_behind = disc_share(away, behind_texels);
             seen += share;
             seen_behind += share_behind;
-            if (q.a > 0.0) {
+            if (known * q.a > 0.0) {
                 float q_px = texel_of(radius_of, at).r / q.a;
+                q *= known;
                 float own_px = clamp(own_radius + texel_px * dot(slope, off), 2.0 * own_radius, 0.25 * own_radius);
                 float is_nearer = nearer(own_px, q_px), is_farther = farther(own_px, q_px);
                 // Of what q hides: far behind it, what is known; close behind it goes on as beside it.
@@ -144,6 +152,7 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
                 float hidden = (is_nearer - far_before) * q.a, hidden_behind = (beside - far_beside) * q.a;
                 if (q2.a > 0.0) {
                     float q2_px = texel_of(radius_of, at).g / q2.a;
+                    q2 *= outside ? 1.0 - lamp_part(q2) : 1.0;
                     // Seen from here, the nearer surface hides it elsewhere.
                     vec2 by = gl_FragCoord.xy + 0.5 * texel_px * off * (q_px / q2_px);
                     float hides = nearer_part(by, q2_px), hides_lamp = lamp_behind * hides;
@@ -151,7 +160,7 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
                                  * disc_share(away, texels_of_light(q2, -q2_px, texel_px)) * q2;
                     over_behind += comes_2;
                     over_farther += farther(last_px, q2_px) * comes_2;
-                    float visible = min(1.0 - q.a, q2.a) / q2.a;
+                    float visible = min(1.0 - q.a, q2.a) / max(q2.a, 1e-4);
                     float same = 1.0 - nearer(own_px, q2_px) - farther(own_px, q2_px);
                     found += mix(visible, 1.0, far_before) * same * share * q2;
                     hidden += far_before * nearer(own_px, q2_px) * q2.a;

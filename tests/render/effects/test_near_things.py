@@ -328,39 +328,55 @@ def place_m(at_px, distance_m):
     return [*(np.array(at_px) * distance_m / FOCAL_PX), -distance_m]
 
 
-def half_hidden_lamp(hidden_px):
-    """A near lamp so far behind the slanted edge of a nearer board, before a wall as dark as it."""
-    lamp_m, board_m = (1 / (1 / FOCUS_M + each / 12.8) for each in (LAMP_DISC_PX, BOARD_DISC_PX))
-    along, edge = np.array([FREE[1], -FREE[0]]), LAMP_AT + hidden_px * FREE
+def before_the_wall(lamp_at, *boards):
+    """A square lamp before a wall as dark as the boards."""
+    lamp_m = 1 / (1 / FOCUS_M + LAMP_DISC_PX / 12.8)
+    side = np.array([LAMP_SIDE_PX * lamp_m / FOCAL_PX] * 2 + [1.0])
+    nodes = [at(0, 0, -FOCUS_M), at(*place_m(lamp_at, lamp_m), mesh=(1,), scale=side)]
+    nodes += [at(0, 0, 0, mesh=(2 + i,)) for i in range(len(boards))]
+    shine = [glowing((light,) * 3, double_sided=True) for light in (DARK_LIGHT, LAMP_LIGHT)]
+    return scene(nodes, [wall(40), wall(1, 1), *boards], shine)
+
+
+def board_from(edge):
+    """A nearer board that ends at a point of the image, in a slanted edge."""
+    along, board_m = np.array([FREE[1], -FREE[0]]), 1 / (1 / FOCUS_M + BOARD_DISC_PX / 12.8)
     ends = [edge - 400 * along, edge + 400 * along]
     corners = [*ends, *(end - 400 * FREE for end in ends[::-1])]
-    board = mesh([place_m(each, board_m) for each in corners], [0, 1, 2, 0, 2, 3])
-    side = np.array([LAMP_SIDE_PX * lamp_m / FOCAL_PX] * 2 + [1.0])
-    nodes = [at(0, 0, 0), at(0, 0, -FOCUS_M, mesh=(1,)),
-             at(*place_m(LAMP_AT, lamp_m), mesh=(2,), scale=side)]  # fmt: skip
-    shine = [glowing((light,) * 3, double_sided=True) for light in (DARK_LIGHT, LAMP_LIGHT)]
-    return scene(nodes, [board, wall(40), wall(1, 1)], shine)
+    return mesh([place_m(each, board_m) for each in corners], [0, 1, 2, 0, 2, 3])
 
 
-def part_of_disc(hidden_px):
+def part_of_disc(lamp_at, edge=None):
     """Return (h, w) of the lamp's light: of each of its points, where the board lets it pass."""
     y, x = np.mgrid[: WIDE_PX[1], : WIDE_PX[0]] + 0.5 - np.array(WIDE_PX)[::-1, None, None] / 2
     spots = (np.arange(16) + 0.5) / 16 * LAMP_SIDE_PX - LAMP_SIDE_PX / 2
     found = np.zeros(x.shape)
-    for right, up in LAMP_AT + np.stack(np.meshgrid(spots, spots), axis=-1).reshape(-1, 2):
+    for right, up in lamp_at + np.stack(np.meshgrid(spots, spots), axis=-1).reshape(-1, 2):
         away = np.stack([x - right, y - up])
-        # What of the board is seen in front of the lamp by the point of the lens that shows it here.
-        board = np.stack([x, y]) - away * BOARD_DISC_PX / LAMP_DISC_PX
-        edge = LAMP_AT + hidden_px * FREE
-        passes = np.tensordot(FREE, board - edge[:, None, None], axes=1) > 0
-        found += (np.hypot(*away) < LAMP_DISC_PX) & passes
+        lit = np.hypot(*away) < LAMP_DISC_PX
+        if edge is not None:
+            # What of the board the lens's point sees in front of the lamp that it shows here.
+            board = np.stack([x, y]) - away * BOARD_DISC_PX / LAMP_DISC_PX
+            lit &= np.tensordot(FREE, board - edge[:, None, None], axes=1) > 0
+        found += lit
     return found / len(spots) ** 2 * LAMP_LIGHT * LAMP_SIDE_PX**2 / (np.pi * LAMP_DISC_PX**2)
 
 
 @pytest.mark.parametrize(("samples", "error"), [(16, 0.45), (36, 0.25), (96, 0.2)])
 def test_a_near_edge_cuts_a_lamp_s_disc_along_itself(ctx, samples, error):
     """And not along rows and columns of texels, on however coarse a level the disc is summed."""
-    content = half_hidden_lamp(hidden_px=3.0)
+    edge = LAMP_AT + 3.0 * FREE
+    content = before_the_wall(LAMP_AT, board_from(edge))
     found = drawn(ctx, content, condition(samples=samples), watch=False, size_px=WIDE_PX)[0]
-    true = part_of_disc(hidden_px=3.0)
+    true = part_of_disc(LAMP_AT, edge)
     assert rms(found["linear"][..., 0] - DARK_LIGHT - true) < error * rms(true)
+
+
+@pytest.mark.parametrize("samples", [16, 36, 96])
+def test_a_near_lamp_at_the_image_s_border_does_not_go_on_outside(ctx, samples):
+    lamp_at = np.array([(LAMP_SIDE_PX - WIDE_PX[0]) / 2, -2.0])
+    content = before_the_wall(lamp_at)
+    found = drawn(ctx, content, condition(samples=samples), watch=False, size_px=WIDE_PX)[0]
+    ours, true = found["linear"][..., 0] - DARK_LIGHT, part_of_disc(lamp_at)
+    assert rms(ours - true) < 0.5 * rms(true)
+    assert ours.sum() == pytest.approx(true.sum(), rel=0.1)
