@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
@@ -38,6 +37,7 @@ from vrcomfort.importing.suggest.joined_tables import joined
 from vrcomfort.importing.suggest.left_over import ask_to_leave_out
 from vrcomfort.importing.suggest.left_over_drafts import with_left_over
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
+from vrcomfort.importing.suggest.own_instruments import AnswerRange, declaration, questions_of
 from vrcomfort.importing.suggest.same_people import (
     count_exposures,
     say_contradictions,
@@ -204,60 +204,37 @@ def _declare(top: TomlDraft, drafts: Sequence[TableDraft]) -> None:
 
     A table may lack some of another's questions, where these have words.
     """
-    declared: dict[str, TomlDraft] = {}
+    declared: dict[str, dict[str, tuple[str, AnswerRange]]] = {}
     for draft in drafts:
         for each in draft.own:
-            said = tomllib.loads(each.text)
+            said = questions_of(each)
             names = (each.name, *(f"{each.name}_{n}" for n in range(2, 10_000)))
             name = next(n for n in names if n not in declared or _are_same(declared[n], said))
             if name != each.name:
                 draft.rename(each.name, name)
-            if name in declared:
-                _widen(declared[name], said)
-                continue
-            found = declared[name] = TomlDraft({"name": name, **_without(said, "name", "items")})
-            found.lists["items"] = [TomlDraft(item) for item in said["items"]]
+            there = declared.setdefault(name, {})
+            for item, (text, scale) in said.items():
+                there[item] = (text, there[item][1] | scale if item in there else scale)
     for draft in drafts:
-        for name, whole in declared.items():
-            draft.lack(name, [str(item.values["name"]) for item in whole.lists["items"]])
-    if not declared:
-        return
+        for name, items in declared.items():
+            draft.lack(name, [*items])
+    tables = [
+        declaration(name, [(item, *said) for item, said in items.items()])
+        for name, items in declared.items()
+    ]
     files = top.values.pop("instruments", None)
     if isinstance(files, list):
-        tables = [
-            {**d.values, "items": [i.values for i in d.lists["items"]]} for d in declared.values()
-        ]
-        top.put("instruments", [*files, *tables])
-    else:
-        top.lists["instruments"] = [*declared.values()]
+        own = [{**t.values, "items": [i.values for i in t.lists["items"]]} for t in tables]
+        top.put("instruments", [*files, *own])
+    elif tables:
+        top.lists["instruments"] = tables
 
 
-def _are_same(declared: TomlDraft, said: Mapping[str, Any]) -> bool:
+def _are_same(one: Collection[str], two: Collection[str]) -> bool:
     """Return whether the items are those of a declared instrument, or some, told by words."""
-    one = {item.values["name"] for item in declared.lists["items"]}
-    two = {item["name"] for item in said["items"]}
-    worded = not any(str(name)[-1].isdecimal() for name in one | two)
-    return one == two or (worded and len(one & two) > 1 and (one < two or two < one))
-
-
-def _widen(declared: TomlDraft, said: Mapping[str, Any]) -> None:
-    """Let a declared instrument have the answers, and the items, of another table, too."""
-    there = {item.values["name"]: item for item in declared.lists["items"]}
-    added = [TomlDraft(item) for item in said["items"] if item["name"] not in there]
-    pairs = [(declared, said), *((there.get(item["name"]), item) for item in said["items"])]
-    for draft, other in pairs:
-        one = draft.values.get("answers") if draft else None
-        two = other.get("answers") or said["answers"]
-        if draft and isinstance(one, dict):
-            draft.put(
-                "answers",
-                {**one, "low": min(one["low"], two["low"]), "high": max(one["high"], two["high"])},
-            )
-    declared.lists["items"] += added
-
-
-def _without(said: Mapping[str, Any], *keys: str) -> dict[str, Any]:
-    return {key: value for key, value in said.items() if key not in keys}
+    a, b = {*one}, {*two}
+    worded = not any(name[-1].isdecimal() for name in a | b)
+    return a == b or (worded and len(a & b) > 1 and (a < b or b < a))
 
 
 def _unanswered(drafts: Sequence[TableDraft], known: Known) -> list[OpenDoubt]:

@@ -139,6 +139,17 @@ def together(scales: Mapping[str, AnswerRange]) -> dict[str, AnswerRange]:
 
 def declared(name: str, items: Sequence[tuple[str, str, AnswerRange]]) -> Instrument:
     """Return an instrument of these items: name, text and scale."""
+    return parse_instrument(declaration(name, items).text())
+
+
+def questions_of(instrument: Instrument) -> dict[str, tuple[str, AnswerRange]]:
+    """Return item → text and scale of an instrument that was declared."""
+    said = ((item, item.answers) for item in instrument.items)
+    return {i.name: (i.text, AnswerRange(int(a.low), int(a.high), a.step)) for i, a in said}
+
+
+def declaration(name: str, items: Sequence[tuple[str, str, AnswerRange]]) -> TomlDraft:
+    """Return how an instrument of these items is declared."""
     shared = Counter(scale for *_, scale in items).most_common(1)[0][0]
     short = name.replace("_", " ").capitalize()
     draft = TomlDraft({"name": name, "short": short, "title": f"{short}, as asked by the lab"})
@@ -149,7 +160,7 @@ def declared(name: str, items: Sequence[tuple[str, str, AnswerRange]]) -> Instru
         )
         for item, text, scale in items
     ]
-    return parse_instrument(draft.text())
+    return draft
 
 
 def _answers(scale: AnswerRange) -> dict[str, float]:

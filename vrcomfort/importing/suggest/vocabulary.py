@@ -73,13 +73,22 @@ _SCALE = re.compile(
 )
 
 
-class Labels(Settings):
-    """Headings of one role."""
+class Headings(Settings):
+    """Whole headings of one role."""
 
     labels: _Words = ()
-    """Whole headings."""
+
+
+class Labels(Headings):
+    """Headings of one role, and words that speak for it in any heading or cell."""
+
     words: _Words = ()
-    """Words that speak for the role in any heading."""
+
+
+class Words(Settings):
+    """Words of headings of one role."""
+
+    words: _Words = ()
 
 
 class FactLabels(Settings):
@@ -107,37 +116,6 @@ class IgnoredLabels(Settings):
     """Headings of columns that may identify a person."""
 
 
-class OutcomeLabels(Settings):
-    """Headings of columns that are questions, ratings or measurements, whatever they look like."""
-
-    labels: _Words = ()
-
-
-class PeopleLabels(Settings):
-    """Headings of facts of people, which are called after them in participants.csv."""
-
-    labels: _Words = ()
-
-
-class ConditionWords(Settings):
-    """Words of headings of answers that say the condition."""
-
-    words: _Words = ()
-
-
-class TrialRunLabels(Settings):
-    """A column of which some texts say that a row is a trial run."""
-
-    labels: _Words = ()
-    words: _Words = ()
-
-
-class MeasureLabels(Settings):
-    """Columns of what no questionnaire asks: physiology, performance, the room."""
-
-    words: _Words = ()
-
-
 class QuestionLabels(Settings):
     """Headings of a lab's own questions."""
 
@@ -154,14 +132,6 @@ class QuestionWords(NamedTuple):
     words: Set[str]
     sentences: Set[str]
     others: Set[str]
-
-
-class LeavingLabels(Settings):
-    """Columns of the times at which participants left exposures."""
-
-    labels: _Words = ()
-    words: _Words = ()
-    """Words of headings whose cells say times in words: ``Yes - 11m 56s``."""
 
 
 class LongLabels(Settings):
@@ -243,14 +213,19 @@ class VocabularyFile(Settings):
     covariates: dict[Word, Labels] = Field(default_factory=dict)
     """Name in participants.csv → its headings."""
     ignored: IgnoredLabels = IgnoredLabels()
-    outcomes: OutcomeLabels = OutcomeLabels()
-    people: PeopleLabels = PeopleLabels()
-    conditions: ConditionWords = ConditionWords()
-    trial_runs: dict[Word, TrialRunLabels] = Field(default_factory=dict)
+    outcomes: Headings = Headings()
+    """Columns that are questions, ratings or measurements, whatever they look like."""
+    people: Headings = Headings()
+    """Facts of people, called after their headings in participants.csv."""
+    conditions: Words = Words()
+    """Words of headings of answers that say the condition."""
+    trial_runs: dict[Word, Labels] = Field(default_factory=dict)
     """Kind of column → its headings, and its texts in rows of trial runs."""
-    measures: MeasureLabels = MeasureLabels()
+    measures: Words = Words()
+    """Columns of what no questionnaire asks: physiology, performance, the room."""
     questions: QuestionLabels = QuestionLabels()
-    leaving: LeavingLabels = LeavingLabels()
+    leaving: Labels = Labels()
+    """Times at which participants left exposures; in words (``Yes - 11m 56s``) below `words`."""
     long: LongLabels = LongLabels()
     ratings: RatingLabels = RatingLabels()
     numbered: NumberedWords = NumberedWords()
