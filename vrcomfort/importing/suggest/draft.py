@@ -35,92 +35,60 @@ class Stake(NamedTuple):
     instead: str = ""
 
 
-def words_line(table: str, line: str) -> str:
-    """Return the advice to write a line into a vocabulary file, and to suggest anew."""
+def _words(table: str, line: str = 'labels = ["the heading", …]') -> str:
     return f"below [{table}] in words.toml: {line}"
 
 
-_OUTCOMES = words_line("outcomes", 'labels = ["the heading", …]')
-_NO_OUTCOMES = "; ".join(
-    (
-        words_line("ignored", 'labels = ["the heading", …]'),
-        words_line("people", "the same, if they are facts of people"),
-    )
-)
-_CONDITION = "; ".join(
-    (
-        words_line("facts", 'condition.labels = ["the heading", …]'),
-        words_line("conditions", 'words = ["A", "B"], if headings say them'),
-    )
-)
-REFUSED = Stake("nothing is imported", 100, f"{_OUTCOMES}; or {_CONDITION}")
-LAYOUT = Stake(
-    "every cell would be read as another", 95, "in `read`: transpose = false, or the like"
-)
-PEOPLE = Stake(
-    "one person's answers would count as another's",
-    90,
-    words_line("facts", 'participant.labels = ["the heading"]'),
-)
-CODING = Stake(
-    "answers would count one too high, or not at all",
-    88,
-    'in the questionnaire: coded_from = 0, answers = { word = 0 } or missing = ["word"]',
-)
-CONDITIONS = Stake("conditions would be compared that were none", 86, _CONDITION)
-TIMEPOINTS = Stake(
-    "before and after would be exchanged",
-    84,
-    "in the table or the questionnaire: timepoint = …; or "
-    + words_line("timepoints", 'baseline = ["the word"]'),
-)
-STAYED = Stake(
-    "who stayed would count as having left, or the other way round", 76, "in left_at: planned_s = …"
-)
+_HEADING = '["the heading", …]'
+_OUTCOMES = _words("outcomes")
+_NO_OUTCOMES = f"{_words('ignored')}; below [people], if they are facts of people"
 _ITEMS = 'below items: item = "the heading"'
+_CONDITION = _words("facts", f"condition.labels = {_HEADING}")
+_CONDITION += '; below [conditions], if headings of answers say them: words = ["A", "B"]'
+_PERSON = _words("facts", f"participant.labels = {_HEADING}")
+_MOMENT = (
+    'timepoint = … in the mapping; or below [timepoints] in words.toml: baseline = ["the word"]'
+)
+_CODED = 'in the questionnaire: coded_from = 0, answers = { word = 0 } or missing = ["word"]'
+_NAMES = 'in the table: file_name = "{participant}_{condition}_{*}"'
+_SHORT = f"{_ITEMS}, and take it out of not_asked"
+_SCALE = f"below instruments: answers = {{ low = 1, high = 7 }}; {_NO_OUTCOMES}"
+_SAME_P, _SAME_C = (
+    f'in `{fact}`: values = {{ {a} = "{b}" }}'
+    for fact, a, b in (("participant", "p1", "P01"), ("condition", "a", "A"))
+)
+_REVERSED = "in the questionnaire: reverse_coded = true"
+_OTHER_ITEMS = "columns would be questions that are none, or have other ends of their scale"
+_STAYED = "who stayed would count as having left, or the other way round"
+_UNIT = "times to a rating, areas and slopes would be of another unit"
+_SHORTER = "a questionnaire would be scored as if it had been shorter"
+
+REFUSED = Stake("nothing is imported", 100, f"{_OUTCOMES}; or {_CONDITION}")
+LAYOUT = Stake("every cell would be read as another", 95, "in `read`: transpose = false, or so")
+PEOPLE = Stake("one person's answers would count as another's", 90, _PERSON)
+CODING = Stake("answers would count one too high, or not at all", 88, _CODED)
+CONDITIONS = Stake("conditions would be compared that were none", 86, _CONDITION)
+TIMEPOINTS = Stake("before and after would be exchanged", 84, _MOMENT)
 ITEM_ORDER = Stake("every answer would count for another symptom", 82, _ITEMS)
-NAMES_OF_FILES = Stake(
-    "answers would be of other people or conditions",
-    80,
-    'in the table: file_name = "{participant}_{condition}_{*}"',
-)
-DIRECTION = Stake(
-    "a low answer would count as a high one", 75, "in the questionnaire: reverse_coded = true"
-)
+NAMES_OF_FILES = Stake("answers would be of other people or conditions", 80, _NAMES)
+STAYED = Stake(_STAYED, 76, "in left_at: planned_s = …")
+DIRECTION = Stake("a low answer would count as a high one", 75, _REVERSED)
 ITEM = Stake("an answer would count for another symptom", 74, _ITEMS)
-INSTRUMENT = Stake(
-    "scores would be made by another formula", 72, 'in the questionnaire: instrument = "…"'
-)
-SHORT_FORM = Stake(
-    "a questionnaire would be scored as if it had been shorter",
-    70,
-    f"{_ITEMS}, for each that is taken out of not_asked",
-)
+INSTRUMENT = Stake("scores would be made by another formula", 72, 'instrument = "…" in the mapping')
+SHORT_FORM = Stake(_SHORTER, 70, _SHORT)
 SCORE_KIND = Stake("scores would be called what they are not", 68, 'below scores: kind = "other"')
-SAME_PERSON = Stake(
-    "one person would count as two", 66, 'in `participant`: values = { p1 = "P01" }'
-)
-SAME_CONDITION = Stake(
-    "one condition would count as two", 64, 'in `condition`: values = { a = "A" }'
-)
-TIMES = Stake(
-    "times to a rating, areas and slopes would be of another unit",
-    62,
-    'in the questionnaire: time_unit = "min"',
-)
+SAME_PERSON = Stake("one person would count as two", 66, _SAME_P)
+SAME_CONDITION = Stake("one condition would count as two", 64, _SAME_C)
+TIMES = Stake(_UNIT, 62, 'in the questionnaire: time_unit = "min"')
+OWN = Stake(_OTHER_ITEMS, 60, _SCALE)
+LEFT = Stake("columns would be outcomes that are none", 58, _NO_OUTCOMES)
 ORDER = Stake(
     "exposures would be numbered in another order",
     55,
-    words_line("facts", 'trial.labels = ["the heading"]'),
+    _words("facts", f"trial.labels = {_HEADING}"),
 )
 ROWS = Stake("rows with answers would be missing", 50, _OUTCOMES)
 CURIOUS = Stake("something is left out that an analysis might need", 10, _OUTCOMES)
-OWN = Stake(
-    "columns would be questions that are none, or have other ends of their scale",
-    60,
-    f"below instruments: answers = {{ low = 1, high = 7 }}; {_NO_OUTCOMES}",
-)
-LEFT = Stake("columns would be outcomes that are none", 58, _NO_OUTCOMES)
 
 
 class OpenDoubt(NamedTuple):
