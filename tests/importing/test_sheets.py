@@ -135,6 +135,15 @@ def scores_beside_each_person_of_a_sheet_on_its_side(folder: Path) -> Made:
 
 
 @layout
+def legend_beside_people_of_a_sheet_on_its_side(folder: Path) -> Made:
+    answers = {person: ssq() for person in PEOPLE}
+    rows: list[Row] = [["Symptom", *PEOPLE, "", "0 = none, 3 = severe"]]
+    rows += [[text, *(answers[p][n] for p in PEOPLE)] for n, text in enumerate(ENGLISH)]
+    truth = {("ssq", p, "all", "post"): dict(zip(ITEMS, answers[p], strict=True)) for p in PEOPLE}
+    return [workbook(folder / "symptoms.xlsx", {"SSQ": rows})], truth
+
+
+@layout
 def person_and_moment_in_one_heading(folder: Path) -> Made:
     truth: Truth = {}
     heading, columns = ["Symptom"], []
