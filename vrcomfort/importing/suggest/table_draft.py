@@ -173,7 +173,8 @@ class TableDraft(SaidByHeadings):
         self._covariates(exposures)
         self._say_missing(exposures.context.sources)
         who = exposures.context.participant
-        self.people = who if who in self._roles.facts["participant"] else None
+        named = (*self._roles.facts["participant"], *self._roles.metadata)
+        self.people = who if who in named else None  # as participants, or as names
         if not self._answers[LONG]:
             self.left, why = left_over(exposures.context, self._unread())
             self.doubts += ask_to_leave_out(self.table, why)
