@@ -44,7 +44,6 @@ ELSEWHERE: dict[str, tuple[set[str], str]] = {
     "files.py": ({"open", "os.open"}, "the one place"),
     "json_text.py": ({"json.loads"}, "the one place for JSON"),
     "settings/reading.py": ({"tomllib.loads"}, "the one place for TOML"),
-    "importing/suggest/__init__.py": ({"tomllib.loads"}, "instruments that it has just drafted"),
     "importing/workbooks.py": (
         {"zipfile.ZipFile", ".open", "iterparse", "load_workbook"}, "workbooks, after their check"
     ),
