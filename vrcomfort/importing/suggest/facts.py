@@ -36,7 +36,7 @@ from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.names_of_files import names_with_folders, parts_of_names
 from vrcomfort.importing.suggest.people import People
 from vrcomfort.importing.suggest.shared_codes import JUDGED, is_shown_in_turn
-from vrcomfort.importing.suggest.vocabulary import covariate_name, tokens
+from vrcomfort.importing.suggest.vocabulary import covariate_name, free_name, tokens
 
 _GUESSED_TIMEPOINTS = (BASELINE_AMONG_CONDITIONS, OTHER_TIMEPOINTS)
 _FEWEST_ROWS = 3
@@ -447,7 +447,6 @@ class _Facts(People):
             else:
                 self._varying.append(column)
         for column, _ in candidates("covariate", self._roles.unknown, self._context):
-            word, there = covariate_name(self.heading(column)), self._context.covariates
-            names = (word, *(f"{word}_{n}" for n in range(2, len(there) + 3)))
-            there[next(name for name in names if name not in there)] = column
+            there = self._context.covariates
+            there[free_name(covariate_name(self.heading(column)), there)] = column
             self._context.used.add(column)

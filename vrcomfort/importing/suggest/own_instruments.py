@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from itertools import pairwise
@@ -14,7 +14,7 @@ from typing import NamedTuple
 from vrcomfort.importing.suggest.draft import TomlDraft
 from vrcomfort.importing.suggest.item_names import How, Named
 from vrcomfort.importing.suggest.items import Context, Found
-from vrcomfort.importing.suggest.vocabulary import bare, tokens
+from vrcomfort.importing.suggest.vocabulary import bare, free_name, tokens
 from vrcomfort.questionnaire import Instrument, parse_instrument, plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
 
@@ -175,11 +175,6 @@ def name_of(text: str, taken: set[str]) -> str:
     whole = re.sub(r"[^a-z0-9_]", "", whole).strip("_")
     short = whole if len(whole) <= _LONGEST_NAME else whole[:_LONGEST_NAME].rpartition("_")[0]
     short = short if short[:1].isalpha() else f"question_{short}".strip("_")
-    name = next(n for n in _numbered(short) if n not in taken)
+    name = free_name(short, taken)
     taken.add(name)
     return name
-
-
-def _numbered(name: str) -> Iterable[str]:
-    yield name
-    yield from (f"{name}_{number}" for number in range(2, 10_000))

@@ -48,7 +48,7 @@ from vrcomfort.importing.suggest.scores import (
     FoundScores,
     by_kind,
 )
-from vrcomfort.importing.suggest.vocabulary import Known, covariate_name, tokens
+from vrcomfort.importing.suggest.vocabulary import Known, covariate_name, free_name, tokens
 from vrcomfort.questionnaire import Instrument
 
 
@@ -420,9 +420,8 @@ class TableDraft(SaidByHeadings):
         names = self.table.headings
         for column in columns:
             self._roles.forget(column)
-            name = covariate_name(names[column])
             there = self._roles.covariates
-            there[name if name not in there else f"{name}_{column + 1}"] = column
+            there[free_name(covariate_name(names[column]), there)] = column
         if columns:
             shown = ", ".join(repr(names[column]) for column in columns)
             question = (

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence, Set
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -496,6 +496,11 @@ def _merged(tables: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 def covariate_name(heading: str) -> str:
     """Return a name for a column of participants.csv."""
     return "_".join("".join(c if c.isalnum() else " " for c in heading.casefold()).split()) or "x"
+
+
+def free_name(name: str, taken: Container[str]) -> str:
+    """Return a name, with a number where others have it."""
+    return next(n for n in (name, *(f"{name}_{k}" for k in range(2, 10_000))) if n not in taken)
 
 
 @cache
