@@ -232,3 +232,10 @@ def test_what_dies_leaves_other_contexts_alone():
         found = [read_rgb8(eye) for eye in result.eyes]
         gl.check_errors(second)
     np.testing.assert_array_equal(found, expected)
+
+
+def test_the_first_frame_of_an_exposure_and_every_so_many_after_it_are_hashed(ctx):
+    renderer = StereoRenderer(ctx, SIZE, hash_every=2)
+    renderer.begin(still_life(), PLAIN)
+    rendered = [renderer.render(FrameAt(n, Pose((0, 1.6, 0))), n / 90) for n in range(3)]
+    assert [each.hashed for each in rendered] == [True, False, True]
