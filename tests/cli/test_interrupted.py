@@ -72,7 +72,8 @@ file = Path(sys.argv.pop(1))
 def hold(event, arguments):
     if event == "open" and str(arguments[0]) == str(file):
         file.with_name("opened").touch()
-        time.sleep(3600)
+        while True:  # a signal before a long sleep would be heard after it
+            time.sleep(0.05)
 
 sys.addaudithook(hold)
 {MAIN}
