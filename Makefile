@@ -44,7 +44,7 @@ test-smoke:
 
 test-slow:
 	@scripts/setup.sh --tests --browser
-	@$(BIN)/pytest -q -n 2 --dist loadfile --no-loadscope-reorder -m "slow and not monado and not needs_reference_data"
+	@$(BIN)/pytest -q -n 3 --dist loadfile --no-loadscope-reorder -m "slow and not monado and not needs_reference_data"
 	@$(BIN)/pytest -q -n 2 --dist worksteal --draw -k "not thirty_thousand" tests/report/test_extremes.py \
 		tests/report/test_notices.py tests/report/test_plan.py tests/questionnaire/test_instruments_study.py
 
