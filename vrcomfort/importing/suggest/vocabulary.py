@@ -85,7 +85,7 @@ class Labels(Headings):
     words: _Words = ()
 
 
-class Words(Settings):
+class HeadingWords(Settings):
     """Words of headings of one role."""
 
     words: _Words = ()
@@ -217,11 +217,11 @@ class VocabularyFile(Settings):
     """Columns that are questions, ratings or measurements, whatever they look like."""
     people: Headings = Headings()
     """Facts of people, called after their headings in participants.csv."""
-    conditions: Words = Words()
+    conditions: HeadingWords = HeadingWords()
     """Words of headings of answers that say the condition."""
     trial_runs: dict[Word, Labels] = Field(default_factory=dict)
     """Kind of column → its headings, and its texts in rows of trial runs."""
-    measures: Words = Words()
+    measures: HeadingWords = HeadingWords()
     """Columns of what no questionnaire asks: physiology, performance, the room."""
     questions: QuestionLabels = QuestionLabels()
     leaving: Labels = Labels()
