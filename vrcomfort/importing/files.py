@@ -99,6 +99,9 @@ def as_table(grid: Grid) -> SourceTable:
     headings = [*headings, *[""] * (width - len(headings))]
     if grid.reading.marked:
         headings, data = _marked(headings, data)
+    for name in grid.reading.spread:
+        headings, data = _spread(headings, data, name, grid)
+    width = max(width, len(headings))
     used = max(
         [i + 1 for _, row in data for i, cell in enumerate(row) if cell]
         + [i + 1 for i, heading in enumerate(headings) if heading],
@@ -186,6 +189,37 @@ def _marked(
         headings[c].rpartition(JOIN)[0] or "answer" if c in runs else headings[c] for c in kept
     ]
     return names, [(n, [cell(row, c) for c in kept]) for n, row in data]
+
+
+_NUMBER_OF_LIST = r"-?\d{1,3}(?:\.\d+)?"
+_LIST = re.compile(rf"[\[(]?{_NUMBER_OF_LIST}(?:[\s,;|]+{_NUMBER_OF_LIST}){{3,}}[\])]?")
+
+
+def numbers_in(cell: str) -> list[str]:
+    """Return the numbers of a cell that holds a list of them: ``1 2 1 3``, ``[0, 2, 1, 1]``."""
+    return re.findall(_NUMBER_OF_LIST, cell) if _LIST.fullmatch(cell) else []
+
+
+def _spread(
+    headings: Sequence[str], data: Sequence[tuple[int, Sequence[str]]], name: str, grid: Grid
+) -> tuple[list[str], list[tuple[int, Sequence[str]]]]:
+    """Put each number of a column's cells into a column of its own."""
+    if name not in headings:
+        raise _fault(grid, f"there is no column {name!r}, which is to be spread")
+    place = headings.index(name)
+    lists = [numbers_in(row[place]) if place < len(row) else [] for _, row in data]
+    count = max(map(len, lists))
+    rows: list[tuple[int, Sequence[str]]] = []
+    for (number, row), found in zip(data, lists, strict=True):
+        if len(row) > place and row[place] and len(found) != count:
+            message = f"{row[place]!r} in {name!r} is no list of {count} numbers"
+            raise _fault(grid, f"row {number}: {message}")
+        cells = found or [""] * count
+        rows.append(
+            (number, [*row[:place], *cells, *row[place + 1 :]] if len(row) > place else row)
+        )
+    names = [f"{name}_{n}" for n in range(1, count + 1)]
+    return [*headings[:place], *names, *headings[place + 1 :]], rows
 
 
 def transposed(grid: Grid) -> Grid:

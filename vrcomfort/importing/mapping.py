@@ -84,6 +84,8 @@ class Read(Settings):
     """Several tables stand one below the other: each is a sheet, called ``sheet: title``."""
     marked: bool = False
     """Of several columns a row marks one (``x``): they are one column, of the headings marked."""
+    spread: tuple[str, ...] = ()
+    """Columns with a list of numbers in each cell: ``SSQ`` is read as ``SSQ_1``, ``SSQ_2`` …"""
 
     @property
     def reading(self) -> Reading:
@@ -98,6 +100,7 @@ class Read(Settings):
             self.stack,
             self.sections,
             self.marked,
+            self.spread,
         )
 
 

@@ -43,6 +43,8 @@ class Reading(NamedTuple):
         A sheet has several tables, one below the other: each is read as a sheet of its own.
     marked
         Of several columns a row marks one: they are read as one, with the heading of that column.
+    spread
+        Headings of columns with a list of numbers in each cell: each number is read as a column.
     """
 
     encoding: str | None = None
@@ -54,6 +56,7 @@ class Reading(NamedTuple):
     stack: bool = False
     sections: bool = False
     marked: bool = False
+    spread: tuple[str, ...] = ()
 
 
 def require_room(rows: int, width: int, file: Path, longest: str) -> None:

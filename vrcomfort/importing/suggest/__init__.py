@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
-from vrcomfort.importing.files import as_table, marked_runs, read_grids, repeated_runs
+from vrcomfort.importing.files import as_table, marked_runs, numbers_in, read_grids, repeated_runs
 from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.sections import sections
@@ -33,6 +33,7 @@ from vrcomfort.importing.suggest.groups_of_files import (
     say_names_of_files,
 )
 from vrcomfort.importing.suggest.heading_roles import names_fact
+from vrcomfort.importing.suggest.items import mentions
 from vrcomfort.importing.suggest.joined_tables import joined
 from vrcomfort.importing.suggest.left_over import ask_to_leave_out
 from vrcomfort.importing.suggest.left_over_drafts import with_left_over
@@ -267,10 +268,29 @@ def _table(grid: Grid, known: Known) -> SourceTable:
     if marked_runs(table.headings, table.rows):
         reading = reading._replace(marked=True)
         table = as_table(replace(grid, reading=reading))
+    if (lists := _lists_of_answers(table, known)) and not any(table.labels):
+        reading = reading._replace(spread=lists)
+        table = as_table(replace(grid, reading=reading))
     bare = [re.sub(r" \(\d+\)$|^column \d+$", "", heading) for heading in table.headings]
     if names_fact(bare[0], "participant", known.vocabulary) and len(repeated_runs(bare)) > 1:
         return as_table(replace(grid, reading=reading._replace(stack=True)))
     return table
+
+
+def _lists_of_answers(table: SourceTable, known: Known) -> tuple[str, ...]:
+    """Return columns called after a questionnaire, with a number for each item in every cell.
+
+    None are where rows repeat them, as those of a list inside a record do.
+    """
+    found = []
+    for heading, texts in zip(table.headings, table.texts, strict=True):
+        named = mentions(heading, known.instruments) if texts and numbers_in(texts[0]) else ()
+        items = {len(each.asked) for each in known.instruments if each.name in named}
+        if len(items) == 1 and {len(numbers_in(text)) for text in texts} == items:
+            if 2 * len(texts) < len(table.rows):
+                return ()
+            found.append(heading)
+    return tuple(found)
 
 
 def _said_again(useful: Sequence[TableDraft], imported: Imported | None) -> list[TableDraft]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from vrcomfort.importing.answers import number
-from vrcomfort.importing.files import is_number
+from vrcomfort.importing.files import is_number, numbers_in
 from vrcomfort.importing.mapping import template_pattern
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.codings import Coding, coding_of, coding_of_texts
@@ -17,6 +17,7 @@ from vrcomfort.importing.suggest.draft import (
     INSTRUMENT,
     ITEM,
     ITEM_ORDER,
+    LOST,
     ORDER,
     ROWS,
     SHORT_FORM,
@@ -434,11 +435,14 @@ def leftovers(
     reasons: dict[int, str] = {}
     doubts: list[OpenDoubt] = []
     maybe: list[str] = []
+    several: list[str] = []
     for column in columns:
         words = texts(table, column)
         heading = table.headings[column]
         if not words:
             reasons[column] = "empty"
+        elif sum(bool(numbers_in(word)) for word in words) * 2 > len(words):
+            several.append(heading)
         elif parts := sum_of(table, column, blocks, known):
             shown = ", ".join(parts[:3]) + (f" and {len(parts) - 3} more" if parts[3:] else "")
             reasons[column] = f"the exact (weighted) sum of {shown}"
@@ -449,4 +453,13 @@ def leftovers(
         shown += f" and {len(maybe) - 6} more" if maybe[6:] else ""
         question = f"These hold what may be answers: {shown}. Is one of them an item?"
         doubts.append(OpenDoubt(question, "none is, and they are ignored", *CURIOUS))
+    if several:
+        shown = ", ".join(map(repr, several))
+        named = mentions(shown, known.instruments)
+        to = ", ".join(each.short for each in known.instruments if each.name in named)
+        question = f"Cells of {shown} hold several numbers each: are these no answers?"
+        what = f"answers to {to} would be missing" if to else CURIOUS.otherwise
+        rank = LOST.rank if to else CURIOUS.rank
+        instead = 'in the table: read = { spread = ["the heading"] }, which makes columns of them'
+        doubts.append(OpenDoubt(question, "they are none, and are ignored", what, rank, instead))
     return reasons, doubts

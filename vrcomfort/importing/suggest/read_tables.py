@@ -57,6 +57,10 @@ def draft_reading(tables: Sequence[SourceTable]) -> tuple[TomlDraft, list[OpenDo
         if getattr(read, key):
             values[key] = True
             asked.append(words)
+    if read.spread:
+        values["spread"] = list(read.spread)
+        question = f"Has each cell of {', '.join(map(repr, read.spread))} the answers to all items?"
+        asked.append((question, "it has, in the published order; each is read as a column"))
     if values:
         draft.put("read", values)
     if not read.heading_rows and "heading_rows" in values:
