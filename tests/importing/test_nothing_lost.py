@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from tests.support.layouts import CONDITIONS, PEOPLE, study, write
+from tests.support.layouts import CONDITIONS, ENGLISH, PEOPLE, study, write
 from vrcomfort.errors import InputError
 from vrcomfort.importing.files import as_table, read_grids
 from vrcomfort.importing.source import Reading
@@ -59,3 +60,97 @@ def test_a_column_of_lists_is_refused_with_its_row_where_a_cell_is_none(tmp_path
     other = replace(grid, reading=Reading(spread=("IPQ",)))
     with pytest.raises(InputError, match="no column 'IPQ', which is to be spread"):
         as_table(other)
+
+
+def test_rows_that_no_questionnaire_takes_are_asked_about_with_their_number(tmp_path: Path) -> None:
+    rows = [
+        [p, c, question, (3 * n + k) % (7 if k < 2 else 90)]
+        for n, p in enumerate(PEOPLE)
+        for c in CONDITIONS
+        for k, question in enumerate(("comfort", "liked overall", "errors"))
+    ]
+    file = write(tmp_path / "long.csv", [["person", "condition", "question", "rating"], *rows])
+    found = suggest_mapping([file])
+    assert "May 20 of 60 rows of long.csv ('errors') be left out?" in found.doubts[0]
+    assert found.imported is not None
+    items = {item for each in found.imported.responses.values() for item in each.answers}
+    assert items == {"comfort", "liked_overall"}
+
+
+def test_people_without_answers_are_asked_about_with_their_number(tmp_path: Path) -> None:
+    answers = [[p, *answers] for (p, c, _), answers in ANSWERS.items() if c == "blur"]
+    files = [
+        write(tmp_path / "ssq.csv", [["ID", *ENGLISH], *answers[:-2]]),
+        write(tmp_path / "people.csv", [["ID", "Age"], *([p, 30] for p in PEOPLE)]),
+    ]
+    assert "Have 2 of 10 participants no answers (P09, P10)?" in suggest_mapping(files).doubts[0]
+
+
+def test_numbers_of_a_form_before_the_exposures_are_facts_of_people(tmp_path: Path) -> None:
+    rows: list[list[object]] = []
+    for n, p in enumerate(PEOPLE):
+        rows.append([p, "", 10 * n, *[""] * 16, ""])
+        for c in CONDITIONS:
+            rows.append([p, c, "", *ANSWERS[p, c, "post"], n % 2])
+    head = ["record_id", "condition", "vr_hours", *ENGLISH, "Stopped by the participant?"]
+    found = suggest_mapping([write(tmp_path / "form.csv", [head, *rows])])
+    assert found.imported is not None
+    assert found.imported.participants["P03"]["vr_hours"] == "20"
+    assert any("'vr_hours', said once of each person" in each for each in found.doubts)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("1 - not at all", "4 - moderately", "7 - extremely"),
+        ("not at all (1)", "moderately (4)", "extremely (7)"),
+    ],
+)
+def test_an_answer_in_words_with_its_number_is_that_number(
+    tmp_path: Path, words: tuple[str, ...]
+) -> None:
+    imported = suggest_mapping([ride(tmp_path, words)]).imported
+    assert imported is not None
+    own = [each for (name, _), each in imported.responses.items() if name != "ssq"]
+    assert {answer for each in own for answer in each.answers.values()} == {1, 4, 7}
+
+
+def ride(folder: Path, words: Sequence[str]) -> Path:
+    """Write answers to the SSQ, and how comfortable it was, in words."""
+    rows = [
+        [p, c, words[(n // 2 + k) % 3], *ANSWERS[p, c, "post"]]
+        for n, p in enumerate(PEOPLE)
+        for k, c in enumerate(CONDITIONS)
+    ]
+    head = ["ID", "Condition", "How comfortable was it?", *ENGLISH]
+    return write(folder / "ride.csv", [head, *rows])
+
+
+def test_answers_of_which_some_alone_say_a_number_are_no_numbers(tmp_path: Path) -> None:
+    words = ("1 - not at all", "moderately", "7 - extremely")
+    imported = suggest_mapping([ride(tmp_path, words)]).imported
+    assert imported is not None
+    assert {instrument for instrument, _ in imported.responses} == {"ssq"}
+
+
+def test_numbers_that_contradict_the_words_beside_them_are_asked_about(tmp_path: Path) -> None:
+    words = ("3 - none", "2 - slight", "1 - moderate", "0 - severe")
+    rows = [[*key[:2], *(words[a] for a in answers)] for key, answers in ANSWERS.items()]
+    file = write(tmp_path / "ssq.csv", [["ID", "Condition", *ENGLISH], *rows])
+    doubts = suggest_mapping([file]).doubts
+    assert any("words of answers say different things" in each for each in doubts)
+
+
+def test_times_and_counters_of_an_experiment_library_are_no_ratings(tmp_path: Path) -> None:
+    head = ["rt", "trial_type", "trial_index", "time_elapsed", "subject_id", "display", *ENGLISH]
+    rows: list[list[object]] = []
+    for n, p in enumerate(PEOPLE):
+        for k, c in enumerate(CONDITIONS):
+            rows.append(["null", "preload", 2 * k, 1000 * k, p, c, *[""] * 16])
+            rt = 25000 + 977 * n + 31 * k
+            rows.append([rt, "survey", 2 * k + 1, 1000 * k + rt, p, c, *ANSWERS[p, c, "post"]])
+    found = suggest_mapping([write(tmp_path / "log.csv", [head, *rows])])
+    assert found.imported is not None
+    assert not found.imported.ratings
+    assert {name for name, _ in found.imported.responses} <= {"ssq", "own_measures"}
+    assert [*dict.fromkeys(found.imported.conditions)] == [*CONDITIONS]

@@ -43,6 +43,7 @@ from vrcomfort.importing.rows import (
     Imported,
     ImportedResponse,
     Rating,
+    RowsLost,
     SourceRow,
     administration_of,
     suspects,
@@ -446,6 +447,9 @@ class TableImport:
             )
         notes += self._rows_of_no_item()
         self._imported.notes += notes
+        if self._elsewhere:
+            found = self._elsewhere.total(), len(self._table.rows), tuple(self._elsewhere)
+            self._imported.lost.append(RowsLost(name, *found))
 
     def _rows_of_no_item(self) -> Iterator[str]:
         """Yield notes on rows of unknown items.
@@ -467,6 +471,7 @@ class TableImport:
                 yield f"{self._table.name}: {message}; {len(cells)} rows of it were left out"
                 continue
             what = f"{len(cells)} rows of {text!r} were left out"
+            self._elsewhere[text] += len(cells)
             yield f"{self._table.name}: {what}: no item of that name"
 
     def _not_asked_item(self, text: str) -> str:
@@ -603,6 +608,7 @@ def _finish(imported: Imported) -> None:
     people += [end.administration.participant for end in imported.ends]
     answered = dict.fromkeys(people)
     silent = [name for name in imported.participants if name not in answered]
+    imported.silent = silent
     if silent:
         shown = ", ".join(silent[:5]) + (" …" if len(silent) > 5 else "")
         imported.notes.append(f"{len(silent)} participants have no answers: {shown}")

@@ -95,6 +95,15 @@ class ExposureEnd(NamedTuple):
     left: bool
 
 
+class RowsLost(NamedTuple):
+    """How many rows of a table are in no questionnaire, and the texts that say what they are."""
+
+    table: str
+    rows: int
+    of: int
+    texts: tuple[str, ...]
+
+
 @dataclass
 class Imported:
     """Everything that the files gave.
@@ -113,6 +122,10 @@ class Imported:
         Instrument → items that the mapping says were left out by design.
     ends
         How exposures ended, where files say it.
+    lost
+        Tables with rows that are in no questionnaire.
+    silent
+        Participants without an answer.
     notes
         What the user should know, one sentence each.
     """
@@ -125,6 +138,8 @@ class Imported:
     scores: list[str] = field(default_factory=list)
     not_asked: dict[str, tuple[str, ...]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+    lost: list[RowsLost] = field(default_factory=list)
+    silent: list[str] = field(default_factory=list)
 
     @property
     def conditions(self) -> list[str]:

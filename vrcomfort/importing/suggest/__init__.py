@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -18,6 +18,7 @@ from vrcomfort.importing.sections import sections
 from vrcomfort.importing.source import Grid, Reading, SourceTable
 from vrcomfort.importing.suggest.codebooks import is_sidecar, with_codebooks
 from vrcomfort.importing.suggest.draft import (
+    LOST,
     REFUSED,
     ROWS,
     OpenDoubt,
@@ -186,6 +187,7 @@ def _suggested(
     doubts += [*ignored, *left_out, *_unanswered(drafts, known)]
     for draft in (draft for draft in useful if {*draft.files} & {*but}):
         doubts += ask_to_leave_out(draft.table, dict.fromkeys(draft.left, _REFUSED_WITH))
+    doubts += _ask_of_lost(imported) if imported is not None else ()
     if refusal:
         doubts.append(OpenDoubt(_REFUSAL, refusal.message, *REFUSED))
     asked = write_doubts(top, doubts)
@@ -198,6 +200,30 @@ def _suggested(
         imported,
     )
     return found, refusal.file
+
+
+def _ask_of_lost(imported: Imported) -> Iterator[OpenDoubt]:
+    """Ask about rows of tables, and people, that have no answers: more than a few in a hundred."""
+    lost = [each for each in imported.lost if each.rows * _FEW_IN > each.of]
+    if lost:
+        texts = [*dict.fromkeys(text for each in lost for text in each.texts)]
+        names = [each.table for each in lost]
+        rows, of = sum(each.rows for each in lost), sum(each.of for each in lost)
+        what = f"{rows} of {of} rows of {_shown(names)} ({_shown([*map(repr, texts)])})"
+        question = f"May {what} be left out? They are in no questionnaire."
+        yield OpenDoubt(question, "yes", *LOST)
+    if len(imported.silent) * _FEW_IN > len(imported.participants):
+        who = f"{len(imported.silent)} of {len(imported.participants)} participants"
+        question = f"Have {who} no answers ({_shown(imported.silent)})?"
+        yield OpenDoubt(question, "they have none", *LOST)
+
+
+_FEW_IN, _SHOWN = 20, 5
+
+
+def _shown(names: Sequence[str]) -> str:
+    more = f" and {len(names) - _SHOWN} more" if names[_SHOWN:] else ""
+    return ", ".join(names[:_SHOWN]) + more
 
 
 def _declare(top: TomlDraft, drafts: Sequence[TableDraft]) -> None:

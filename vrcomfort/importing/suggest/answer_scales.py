@@ -17,8 +17,8 @@ from vrcomfort.questionnaire import Instrument, plain
 
 FEWEST_ANSWERS = 4
 _OF_FIVE, _OF_SEVEN = 5, 7
-_NUMBERED = re.compile(r"(-?\d{1,3})\s*[-–—=:.)(]+\s*[^\W\d_]")
-"""An end of a scale that says its number, and its words."""
+_NUMBERED = re.compile(r"\(?(-?\d{1,3})[\s–—=:.)(-]+[^\W\d_]\D*|[^\W\d_]\D*[\s=:(](-?\d{1,3})\)?")
+"""An answer that says its number before or behind its words, as ends of scales do."""
 
 
 def scale_of(
@@ -60,9 +60,12 @@ def _read(
     """Return text → the answer that it is, as a number or in words; None where it is none."""
     found: dict[str, float | None] = {text: number(text, decimal) for text in cells}
     words = [text for text, value in found.items() if value is None]
-    if len(words) < len(found) and all(map(_NUMBERED.match, words)):  # 5, 6, "7 - very"
-        found |= {text: float(match[1]) for text in words if (match := _NUMBERED.match(text))}
-        words = []
+    matches = {text: match for text in words if (match := _NUMBERED.fullmatch(text))}
+    numbers = {text: float(match[1] or match[2]) for text, match in matches.items()}
+    if len({*numbers.values()}) == len(words):  # 5, 6, "7 - very"
+        return found | numbers
+    if numbers:  # some words alone say a number, or two the same
+        return dict.fromkeys(found)
     alike = len({text[:1] for text in words if text[1:].isdecimal()}) < 2  # not a1, b1
     if alike and _are_degrees(words, vocabulary):
         found |= {text: vocabulary.degree(text) for text in words}

@@ -187,6 +187,9 @@ def _words(
             values[value] = values.get(value, 0) + words[text]
         else:
             unknown.append(text)
+    if len(shifts) > 1:
+        question = "The numbers and the words of answers say different things: which are right?"
+        found.doubts.append(OpenDoubt(question, "the words", *CODING))
     codes = [code for text in unknown if (code := _CODE.fullmatch(text))]
     if len(codes) == len(unknown) and len({code[1] for code in codes}) == 1:
         for text, code in zip(unknown, codes, strict=True):  # A1, A2 … of survey programs

@@ -64,7 +64,7 @@ _UNIT = "times to a rating, areas and slopes would be of another unit"
 _SHORTER = "a questionnaire would be scored as if it had been shorter"
 
 REFUSED = Stake("nothing is imported", 100, f"{_OUTCOMES}; or {_CONDITION}")
-LOST = Stake("answers would be missing", 92, f"{_OUTCOMES}; or mend the files")
+LOST = Stake("answers would be missing", 92, f"in the mapping: items of those rows; {_OUTCOMES}")
 LAYOUT = Stake("every cell would be read as another", 95, "in `read`: transpose = false, or so")
 PEOPLE = Stake("one person's answers would count as another's", 90, _PERSON)
 CODING = Stake("answers would count one too high, or not at all", 88, _CODED)

@@ -561,7 +561,10 @@ CELLS: tuple[CellEvidence, ...] = (
 
 
 def candidates(role: str, columns: Iterable[int], context: Context) -> list[Candidate]:
-    """Return the columns with evidence for a role, the heaviest first, then as they are given."""
+    """Return the columns with evidence for a role, the heaviest first, then those without blanks.
+
+    The others stand as they are given.
+    """
     rows = sorted((each for each in CELLS if each.role == role), key=lambda each: -each.weight)
     found = []
     for column in dict.fromkeys(columns):
@@ -574,7 +577,8 @@ def candidates(role: str, columns: Iterable[int], context: Context) -> list[Cand
         heaviest = next((each for each in rows if each.test(context, column)), None)
         if heaviest is not None:
             found.append(Candidate(column, heaviest))
-    return sorted(found, key=lambda each: -each.evidence.weight)
+    cells = context.table.column
+    return sorted(found, key=lambda each: (-each.evidence.weight, "" in cells(each.column)))
 
 
 def texts(table: SourceTable, column: int) -> list[str]:

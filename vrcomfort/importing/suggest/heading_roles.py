@@ -217,9 +217,12 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
     _asked_of_each(table, weighed, roles)
     for role, found in weighed.items():
         ordered = [column for _, column in sorted(found)]
+        if role == "participant":  # "stopped by the participant?"
+            ordered = [c for c in ordered if not {*table.texts[c]} <= {"0", "1"}] or ordered
         if role in FACTS:
             roles.facts[role] = ordered
             roles.alike[role] = [c for weight, c in sorted(found) if weight == min(found)[0]]
+            roles.unknown = sorted({*roles.unknown, *(c for _, c in found)} - {*ordered})
         else:
             taken = 0 if role == "sequence" and len(ordered) > _MOST_ORDERS else 1  # order_colour
             roles.covariates |= dict.fromkeys([role][:taken], ordered[0])

@@ -51,6 +51,8 @@ class KeptRows:
         self._fill_down()
         self._said_once()
         self._rows_below()
+        self.every_row = self.table
+        """The table with rows that hold no answers."""
 
     @property
     def files(self) -> list[str]:

@@ -25,10 +25,11 @@ def with_left_over(draft: TableDraft, known: Known, *, alone: bool) -> TableDraf
         once = who is not None and len(texts(draft.table, who)) == len(draft.table.rows)
         if once and not alone and not found.has_conditions:
             return TableDraft(draft.tables, known, of_person=left)
-    if not left:
+    own = draft.of_other_rows() if draft.known else []
+    if not left and not own:
         return draft
     whole = TableDraft(draft.tables, known, left)
-    if own := whole.once_a_person():
+    if own := [*own, *whole.once_a_person()]:
         rest = {column: each for column, each in left.items() if column not in own}
         whole = TableDraft(draft.tables, known, rest, of_person=own)
     return whole

@@ -19,6 +19,7 @@ from vrcomfort.importing.suggest.heading_roles import Roles
 from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.long_tables import Long, response_column
 from vrcomfort.importing.suggest.own_instruments import (
+    USUAL,
     AnswerRange,
     declared,
     name_of,
@@ -64,10 +65,12 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
         for text in words if len(words) <= _MOST_ITEMS else ():
             asked = replace(table, rows=tuple(row for row in rows if row[item] == text))
             scale = scale_of(asked, response, known.vocabulary, of_seven=seven)
-            if scale is not None and _is_asked(said.get(text, text), group, known.vocabulary):
+            if scale is not None and not _asks_no_opinion(said.get(text, text), known.vocabulary):
                 scales[text] = scale
-        if not scales:
+        sure = [t for t in scales if _is_asked(said.get(t, t), group, known.vocabulary)]
+        if not sure:
             continue
+        scales = {t: s for t, s in scales.items() if t in sure or s.usual[:2] in USUAL}
         taken_names: set[str] = {*TAKEN}
         items = {name_of(text, taken_names): text for text in scales}
         scales = together(scales)
@@ -79,13 +82,20 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
     return own
 
 
+def _asks_no_opinion(text: str, vocabulary: LabVocabulary) -> bool:
+    """Return whether a text in the column of items is of a fact, or of what is no answer."""
+    return bool({*tokens(text)} & vocabulary.asking.others) or plain(text) in vocabulary.roles
+
+
 def _is_asked(text: str, group: str, vocabulary: LabVocabulary) -> bool:
-    """Return whether a text in the column of items asks, by its words or under a name."""
+    """Return whether a text in the column of items asks, by its words or under a name.
+
+    Others beside it are questions, too, where their answers are on a usual scale.
+    """
     words = {*tokens(text)}
     if len(tokens(text)) >= FEWEST_OF_SENTENCE:
         return bool(words & vocabulary.asking.sentences)
-    no_answer = words & vocabulary.asking.others or plain(text) in vocabulary.roles
-    return bool(group or words & vocabulary.asking.words) and not no_answer
+    return bool(group or words & vocabulary.asking.words)
 
 
 def _statements(table: SourceTable, column: int, items: Sequence[str]) -> dict[str, str]:

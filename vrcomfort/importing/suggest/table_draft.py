@@ -30,7 +30,7 @@ from vrcomfort.importing.suggest.draft import (
     TomlDraft,
     placed_in_short,
 )
-from vrcomfort.importing.suggest.evidence import Context, texts
+from vrcomfort.importing.suggest.evidence import Context, is_numeric, texts, varies_within
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.facts import draft_facts
 from vrcomfort.importing.suggest.heading_facts import template_of
@@ -387,6 +387,21 @@ class TableDraft(SaidByHeadings):
         )
         return said or "condition" in self.draft.values or any("condition" in str(n) for n in names)
 
+    def of_other_rows(self) -> list[int]:
+        """Return the columns of numbers of people that only rows without answers hold.
+
+        Each person has one, as on a form before the first exposure; and they differ.
+        """
+        if self.people is None or self._answers[LONG]:
+            return []
+        columns = [c for c in self._roles.unknown if not texts(self.table, c)]
+        return [
+            c
+            for c in columns
+            if len(texts(self.every_row, c)) > 1
+            if is_numeric(self.every_row, c) and not varies_within(self.every_row, c, self.people)
+        ]
+
     def once_a_person(self) -> list[int]:
         """Return the columns of facts of people among those taken for own questions.
 
@@ -465,6 +480,8 @@ class TableDraft(SaidByHeadings):
         asked = [column for column in columns if column not in known]
         reasons, doubts = leftovers(self.table, asked, self._answers[BLOCKS], self._known)
         self.doubts += doubts
+        for column in (c for c in asked if reasons.get(c) == "empty" and texts(self.every_row, c)):
+            reasons[column] = "filled in rows without answers alone"
         for column in columns:
             name = self.table.headings[column]
             reason = reasons.get(column) or self._made.get(column, "")
