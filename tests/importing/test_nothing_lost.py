@@ -52,7 +52,7 @@ def test_answers_that_share_a_cell_are_asked_about(tmp_path: Path) -> None:
 def test_a_column_of_lists_is_refused_with_its_row_where_a_cell_is_none(tmp_path: Path) -> None:
     file = write(tmp_path / "a.csv", [["ID", "SSQ"], ["P1", "1 2 3 0"], ["P2"], ["P3", "1 2"]])
     (grid,) = read_grids(file, Reading(spread=("SSQ",)))
-    with pytest.raises(InputError, match="row 4: '1 2' in 'SSQ' is no list of 4 numbers"):
+    with pytest.raises(InputError, match="row 4: '1 2' in 'SSQ' must be a list of 4 numbers"):
         as_table(grid)
     table = as_table(replace(grid, rows=grid.rows[:3], numbers=grid.numbers[:3]))
     assert table.headings == ("ID", "SSQ_1", "SSQ_2", "SSQ_3", "SSQ_4")
@@ -154,3 +154,36 @@ def test_times_and_counters_of_an_experiment_library_are_no_ratings(tmp_path: Pa
     assert not found.imported.ratings
     assert {name for name, _ in found.imported.responses} <= {"ssq", "own_measures"}
     assert [*dict.fromkeys(found.imported.conditions)] == [*CONDITIONS]
+
+
+def people_and_answers(folder: Path, *more: Sequence[object]) -> list[Path]:
+    """Write answers, and a table of people with their experience in words, and some more rows."""
+    answers = [[p, c, *answers] for (p, c, _), answers in ANSWERS.items()]
+    rows = [[p, 20 + n, ("East", "West")[n % 2], "owner"] for n, p in enumerate(PEOPLE)]
+    rows[0][3] = rows[1][3] = "pilot"
+    return [
+        write(folder / "ssq.csv", [["ID", "Condition", *ENGLISH], *answers]),
+        write(folder / "people.csv", [["ID", "Age", "culture", "exp_drone"], *rows, *more]),
+    ]
+
+
+def test_words_of_people_are_facts_of_theirs_and_asked_about(tmp_path: Path) -> None:
+    found = suggest_mapping(people_and_answers(tmp_path))
+    assert found.imported is not None
+    facts = {"age": "21", "culture": "West", "exp_drone": "pilot"}
+    assert found.imported.participants["P02"] == facts
+    assert any("'culture', 'exp_drone', said once" in each for each in found.doubts)
+
+
+def test_a_code_that_stands_twice_in_a_table_of_people_is_asked_about(tmp_path: Path) -> None:
+    found = suggest_mapping(people_and_answers(tmp_path, ["P01", 20, "East", "owner"]))
+    assert found.imported is not None
+    assert found.imported.participants["P02"] == {"age": "21", "culture": "West"}
+    assert "P01 has several rows in people.csv: is it one person?" in found.doubts[0]
+    assert "'exp_drone' differ there, and are left out" in found.doubts[0]
+
+
+def test_a_code_with_two_records_of_answers_is_asked_about(tmp_path: Path) -> None:
+    rows = [[p, *ANSWERS[p, "blur", "post"]] for p in PEOPLE]
+    file = write(tmp_path / "ssq.csv", [["ID", *ENGLISH], *rows, ["P01", *rows[5][1:]]])
+    assert "Has P01 several rows of one condition" in suggest_mapping([file]).doubts[0]

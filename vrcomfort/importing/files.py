@@ -212,7 +212,7 @@ def _spread(
     rows: list[tuple[int, Sequence[str]]] = []
     for (number, row), found in zip(data, lists, strict=True):
         if len(row) > place and row[place] and len(found) != count:
-            message = f"{row[place]!r} in {name!r} is no list of {count} numbers"
+            message = f"{row[place]!r} in {name!r} must be a list of {count} numbers"
             raise _fault(grid, f"row {number}: {message}")
         cells = found or [""] * count
         rows.append(

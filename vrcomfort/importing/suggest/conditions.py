@@ -8,7 +8,7 @@ from difflib import SequenceMatcher
 from itertools import combinations
 from math import prod
 
-from vrcomfort.importing.suggest.draft import CONDITIONS, ORDER, SAME_CONDITION, TIMEPOINTS
+from vrcomfort.importing.suggest.draft import CONDITIONS, ORDER, PEOPLE, SAME_CONDITION, TIMEPOINTS
 from vrcomfort.importing.suggest.evidence import (
     BALANCED_WORDS,
     COUNTS_EXPOSURES,
@@ -29,6 +29,8 @@ from vrcomfort.settings import toml_value
 MOST_NAMED, _MOST_SPELLINGS = 5, 60
 _MOST_LEVELS, _FULL_OF = 6, 4
 """Levels of a factor between participants; people of whom one may lack a combination."""
+_FEW_IN = 10
+"""Of so many people, one with several rows of a condition may be two who share a code."""
 _WORDS = (BALANCED_WORDS, WORDS_WITHIN_PEOPLE)
 _FIRST = frozenset(["first", "initial", "erste"])
 LONG_WORD, NEAR, RARER = 6, 0.85, 2
@@ -339,6 +341,10 @@ class Conditions(FactDraft):
         same = [each for found in again.values() for each in found if "is the same" in each]
         if same:
             assumed += f" (but {same[0]}: leave it out of the file if it was saved twice)"
+        if len(again) * _FEW_IN <= len(texts(self._table, self._context.participant or 0)):
+            question = f"Has {people} several rows of one condition: is each code one person"
+            self.doubt(f"{question}?", assumed.replace("they do", "it is"), PEOPLE)
+            return
         self.doubt(f"{question}order of time?", assumed, ORDER)
 
     def _alike(self) -> None:

@@ -2,9 +2,29 @@
 
 from __future__ import annotations
 
-from vrcomfort.importing.suggest.evidence import texts
+from collections.abc import Sequence
+
+from vrcomfort.importing.suggest.draft import PEOPLE, OpenDoubt
+from vrcomfort.importing.suggest.evidence import varies_within
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import Known
+
+_FEW_IN = 10
+"""Of so many people one may stand twice in a table that has a row for each."""
+
+
+def _facts_of_people(
+    draft: TableDraft, known: Known, columns: Sequence[int], twice: Sequence[str]
+) -> TableDraft:
+    """Take columns for facts of people, but those in which a code of several rows has two; ask."""
+    torn = [c for c in columns if varies_within(draft.table, c, draft.people)]
+    found = TableDraft(draft.tables, known, of_person=[c for c in columns if c not in torn])
+    if twice:
+        names = ", ".join(repr(draft.table.headings[c]) for c in torn)
+        assumed = f"it is; {names} differ there, and are left out" if torn else "it is"
+        question = f"{', '.join(twice)} has several rows in {draft.files[0]}: is it one person?"
+        found.doubts.append(OpenDoubt(question, assumed, *PEOPLE))
+    return found
 
 
 def with_left_over(draft: TableDraft, known: Known, *, alone: bool) -> TableDraft:
@@ -17,14 +37,16 @@ def with_left_over(draft: TableDraft, known: Known, *, alone: bool) -> TableDraf
     """
     left, found = draft.left, draft
     if not draft.known:
-        if not left or (draft.people is None and not alone):
+        who = draft.people
+        twice = [] if who is None else draft.with_several_rows(who)
+        once = who is not None and len(twice) * _FEW_IN <= len(draft.table.rows)
+        words = draft.words_of_people() if once and not alone else []
+        if not (left or words or twice) or (who is None and not alone):
             return draft
         found = TableDraft(draft.tables, known, answered=True)  # which may have conditions
+        if once and not alone and (twice or not left or not found.has_conditions):
+            return _facts_of_people(draft, known, [*found.left, *words], twice)
         left = found.left
-        who = draft.people
-        once = who is not None and len(texts(draft.table, who)) == len(draft.table.rows)
-        if once and not alone and not found.has_conditions:
-            return TableDraft(draft.tables, known, of_person=left)
     own = draft.of_other_rows() if draft.known else []
     if not left and not own:
         return draft

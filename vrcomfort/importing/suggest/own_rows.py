@@ -84,7 +84,9 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
 
 def _asks_no_opinion(text: str, vocabulary: LabVocabulary) -> bool:
     """Return whether a text in the column of items is of a fact, or of what is no answer."""
-    return bool({*tokens(text)} & vocabulary.asking.others) or plain(text) in vocabulary.roles
+    short = len(tokens(text)) < FEWEST_OF_SENTENCE
+    other = {*tokens(text)} & vocabulary.asking.others or plain(text) in vocabulary.roles
+    return short and bool(other)
 
 
 def _is_asked(text: str, group: str, vocabulary: LabVocabulary) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 
@@ -30,7 +31,14 @@ from vrcomfort.importing.suggest.draft import (
     TomlDraft,
     placed_in_short,
 )
-from vrcomfort.importing.suggest.evidence import Context, is_numeric, texts, varies_within
+from vrcomfort.importing.suggest.evidence import (
+    LONGEST_CONDITION,
+    Context,
+    few_texts,
+    is_numeric,
+    texts,
+    varies_within,
+)
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.facts import draft_facts
 from vrcomfort.importing.suggest.heading_facts import template_of
@@ -386,6 +394,17 @@ class TableDraft(SaidByHeadings):
             self.draft.values.get(key, "") for key in ("file_name", "file_pattern", "sheet_name")
         )
         return said or "condition" in self.draft.values or any("condition" in str(n) for n in names)
+
+    def with_several_rows(self, people: int) -> list[str]:
+        """Return the participants with several rows."""
+        counts = Counter(self.table.column(people))
+        return [who for who, count in counts.items() if who and count > 1]
+
+    def words_of_people(self) -> list[int]:
+        """Return the columns that nothing knows, and that say one of a few short texts."""
+        columns = [c for c in self._roles.unknown if few_texts(self.table, c)]
+        columns = [c for c in columns if not is_numeric(self.table, c)]
+        return [c for c in columns if max(map(len, texts(self.table, c))) <= LONGEST_CONDITION]
 
     def of_other_rows(self) -> list[int]:
         """Return the columns of numbers of people that only rows without answers hold.
