@@ -187,3 +187,16 @@ def test_a_code_with_two_records_of_answers_is_asked_about(tmp_path: Path) -> No
     rows = [[p, *ANSWERS[p, "blur", "post"]] for p in PEOPLE]
     file = write(tmp_path / "ssq.csv", [["ID", *ENGLISH], *rows, ["P01", *rows[5][1:]]])
     assert "Has P01 several rows of one condition" in suggest_mapping([file]).doubts[0]
+
+
+def test_numbers_under_a_heading_for_responses_that_are_ignored_are_asked_about(
+    tmp_path: Path,
+) -> None:
+    rows: list[list[object]] = []
+    for n, p in enumerate(PEOPLE):
+        for c in CONDITIONS:
+            rows.append([p, c, "<p>How was it?</p>", 7 * n, *[""] * 16])
+            rows.append([p, c, "", "{...}", *ANSWERS[p, c, "post"]])
+    head = ["ID", "display", "stimulus", "response", *ENGLISH]
+    doubts = suggest_mapping([write(tmp_path / "log.csv", [head, *rows])]).doubts
+    assert any("Are 20 numbers in 'response' no answers" in doubt for doubt in doubts)

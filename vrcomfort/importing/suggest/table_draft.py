@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 
 from vrcomfort.importing.answers import number, time_in_words_s
+from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.answer_columns import (
     BLOCKS,
@@ -23,6 +24,7 @@ from vrcomfort.importing.suggest.block_conditions import (
 )
 from vrcomfort.importing.suggest.draft import (
     LEFT,
+    LOST,
     SAME_PERSON,
     SCORE_KIND,
     STAYED,
@@ -57,7 +59,7 @@ from vrcomfort.importing.suggest.scores import (
     by_kind,
 )
 from vrcomfort.importing.suggest.vocabulary import Known, covariate_name, free_name, tokens
-from vrcomfort.questionnaire import Instrument
+from vrcomfort.questionnaire import Instrument, plain
 
 
 def _stands_among(column: int, some: Collection[int], others: Collection[int]) -> bool:
@@ -501,6 +503,12 @@ class TableDraft(SaidByHeadings):
         self.doubts += doubts
         for column in (c for c in asked if reasons.get(c) == "empty" and texts(self.every_row, c)):
             reasons[column] = "filled in rows without answers alone"
+        for column in columns:
+            heading, cells = self.table.headings[column], self.every_row.column(column)
+            count = sum(map(is_number, cells))
+            if plain(heading) in self._vocabulary.response_labels and count * 20 > len(cells):
+                question = f"Are {count} numbers in {heading!r} no answers, as they are ignored?"
+                self.doubts.append(OpenDoubt(question, "they are none", *LOST))
         for column in columns:
             name = self.table.headings[column]
             reason = reasons.get(column) or self._made.get(column, "")
