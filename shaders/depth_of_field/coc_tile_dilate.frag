@@ -2,7 +2,7 @@
 // Lets every tile know what may reach it: over those of the tiles around whose discs come as far, or
 // that its own discs reach.
 //
-// Input:  tiles (coc_tile_min_max.frag).
+// Input:  tiles (coc_tile_min_max.frag). WITH_CUT: cut (cut_tiles.frag).
 // Output: r = least signed RADIUS (px of image width); g = quadrants of the tile within whose reach a surface
 //         ends, b = levels whose discs come here, as bits; a = class of the tile (include/tile_classes.glsl).
 #include "eyes.glsl"
@@ -11,6 +11,9 @@
 #include "tile_classes.glsl"
 
 uniform eye_image tiles;
+#ifdef WITH_CUT
+uniform eye_image cut;
+#endif
 
 out vec4 dilated;
 
@@ -48,5 +51,8 @@ void main() {
     bool sharp = max(-radii.x, radii.y) <= 0.5;
     bool wide = max(-own.r, own.g) > FADED * EXACT_PX && LEVELS > 1;
     int tile_class = sharp ? IN_FOCUS : quadrants != 0 ? COMPLEX : wide ? FAST_HALF_RESOLUTION : FAST;
+#ifdef WITH_CUT
+    tile_class = !sharp && texel_of(cut, middle).r > 0.0 ? CUT : tile_class;
+#endif
     dilated = vec4(radii.x, float(quadrants), float(levels), float(tile_class));
 }

@@ -3,7 +3,8 @@
 //
 // Input:  colour_and_coc (colour_and_coc.frag; signed CoC RADIUS in px of image width, negative in front
 //         of the focus); layers of level 1, 2 … (layers.frag): what wide discs are made of; tile: what may
-//         reach it (coc_tile_dilate.frag).
+//         reach it (coc_tile_dilate.frag). WITH_CUT: near (near_gather.frag), near_light and near_radius (the finest of
+//         near_layer.frag), cut (cut_tiles.frag).
 // Output: the blurred image, linear HDR, full resolution.
 //
 // A pixel p looks for three kinds of neighbours q, told apart by their CoC, which orders depth:
@@ -38,6 +39,10 @@
 #include "discs.glsl"
 #include "levels.glsl"
 #include "layers.glsl"
+#ifdef WITH_CUT
+#include "near.glsl"
+#include "near_over.glsl"
+#endif
 
 flat in vec4 tile;
 
@@ -59,6 +64,52 @@ float near_end = float(int(tile.g) >> (quadrant.x + 2 * quadrant.y) & 1);
 vec4 surface = vec4(0.0);     // rgb * part of p's disc, part
 vec4 behind = vec4(0.0);      // rgb * weight, weight
 vec4 foreground = vec4(0.0);  // rgb * opacity, opacity
+
+#ifdef WITH_CUT
+// A lamp is no veil. What is near is drawn over this image and veils it evenly: of a lamp's disc there is so much
+// more here, or less, that what is seen of it is cut where something near hides it from the lens's point.
+uniform eye_image near;
+uniform eye_image near_light;
+uniform eye_image near_radius;
+uniform eye_image cut;
+
+const float LEAST_FREE = 0.02;  // where near things leave less, no lamp shines through by this
+
+float free_of_near = 1.0 - near_over(near, pixel).a;
+float widest_near_px = -texel_of(cut, pixel / POINT_PX).r;
+
+// Of something near about a place, in texels of the finest level: its RADIUS, or `none`.
+float near_radius_at(vec2 at, float none) {
+    ivec2 texel = clamp(ivec2(floor(at)), ivec2(0), size_of(near_light) - 1);
+    float part = texel_of(near_light, texel).a;
+    return part > 0.25 ? texel_of(near_radius, texel).r / part : none;
+}
+
+// How often the light of a disc `off` px away is to be here.
+float lit(vec4 q, vec2 off) {
+    float lamp = q.a > 0.5 ? clamp(max(max(q.r, q.g), q.b) / OUTSHINES - 1.0, 0.0, 1.0) : 0.0;
+    vec2 here = 0.5 * gl_FragCoord.xy, lens = 0.5 * off / max(q.a, 0.5);
+    lamp = free_of_near < 1.0 ? lamp : 0.0;
+    float near_px = 0.0, covered = 0.0;
+    vec2 place = vec2(0.0);
+    // Few pixels want it. First the radius, then four texels.
+    for (int i = 0; i < (lamp > 0.0 ? 5 : 0); ++i)
+        if (i == 0) {
+            near_px = min(near_radius_at(here, 0.0), near_radius_at(here + 0.5 * off, 0.0));
+            near_px = near_px < 0.0 ? near_px : near_radius_at(here + widest_near_px * lens, widest_near_px);
+            place = here + near_px * lens - 0.5;
+        } else {
+            ivec2 step = ivec2(i - 1 & 1, i - 1 >> 1), last = size_of(near_light) - 1;
+            vec2 beside = fract(place), share = mix(1.0 - beside, beside, vec2(step));
+            covered += share.x * share.y * texel_of(near_light, clamp(ivec2(floor(place)) + step, ivec2(0), last)).a;
+        }
+    return mix(1.0, (1.0 - min(covered, 1.0)) / max(free_of_near, LEAST_FREE), lamp * apart(near_px));
+}
+#else
+float lit(vec4 q, vec2 off) {
+    return 1.0;
+}
+#endif
 
 // How many texels to either side a row has within reach.
 float cells_of(float row, float reach) {
@@ -117,6 +168,7 @@ void gather_pixels(float own, float foreground_px, bool with_foreground) {
         int cells = int(cells_of(row, reach));
         for (int x = -cells; x <= cells; ++x) {
             vec4 q = texel_of(colour_and_coc, clamp(pixel + ivec2(x, y), ivec2(0), last));
+            q.rgb *= lit(q, vec2(x, y));
             float away = sqrt(float(x * x) + row * row);
             float radius = abs(q.a);
             float is_nearer = nearer_than_p(q.a), is_farther = farther(q.a);
@@ -144,6 +196,7 @@ void gather_pixels_behind(float widest_px) {
         int cells = int(cells_of(row, reach));
         for (int x = -cells; x <= cells; ++x) {
             vec4 q = texel_of(colour_and_coc, clamp(pixel + ivec2(x, y), ivec2(0), last));
+            q.rgb *= lit(q, vec2(x, y));
             float radius = radius_behind(q.a);
             behind += farther(q.a) * is_seen(q.a) * (1.0 - coarser_part(0, radius))
                     * disc_share(sqrt(float(x * x) + row * row), grid_radius_px(radius)) * vec4(q.rgb, 1.0);
@@ -184,6 +237,9 @@ void gather_texels(ueye_image layers, int level, float own, float foreground_px,
         int right = int(floor(rows.place.x + cells));
         for (int x = int(ceil(rows.place.x - cells)); x <= right; ++x) {
             Layers q = unpack_layers(texel_of(layers, clamp(ivec2(x, y), ivec2(0), last)));
+            vec2 off = texel_px * (vec2(x, y) - rows.place);
+            q.front.rgb *= lit(q.front, off);
+            q.back.rgb *= lit(q.back, off);
             float away = length(vec2(float(x) - rows.place.x, row));
             float share = disc_share(away, own_texels);
             float front = q.coverage, back = 1.0 - q.coverage;
@@ -228,6 +284,9 @@ void gather_texels_behind(ueye_image layers, int level, int for_level, float wid
         int right = int(floor(rows.place.x + cells));
         for (int x = int(ceil(rows.place.x - cells)); x <= right; ++x) {
             Layers q = unpack_layers(texel_of(layers, clamp(ivec2(x, y), ivec2(0), last)));
+            vec2 off = texel_px * (vec2(x, y) - rows.place);
+            q.front.rgb *= lit(q.front, off);
+            q.back.rgb *= lit(q.back, off);
             float away = length(vec2(float(x) - rows.place.x, row));
             behind += part_behind(level, for_level, away, q.front, q.coverage)
                     + part_behind(level, for_level, away, q.back, 1.0 - q.coverage);

@@ -34,6 +34,7 @@ THROUGH = {
     "radius_at": "colour_and_coc.frag and coc_tile_min_max.frag (render/effects/test_lens_laws.py)",
     "near_part": "near_layer.frag (render/effects/test_near_things.py)",
     "apart": "near_gather.frag (the same)",
+    "near_over": "near_over.frag and complex.frag (render/effects/test_far_lamps.py)",
     "finite": "resolve.frag and colour_and_coc.frag (render/effects/test_resolve.py)",
     "velocity_at": "the shaders of motion blur (render/effects/test_motion_blur.py: extremes)",
     "half_velocity_at": "the same (render/effects/test_motion_blur.py: the limit, the shutter)",

@@ -24,7 +24,11 @@ from vrcomfort.protocol.conditions import Condition, DepthOfField
 from vrcomfort.render.camera import Lens
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, aspects
 from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
-from vrcomfort.render.effects.depth_of_field.layered_gather import LayeredGatherKernel
+from vrcomfort.render.effects.depth_of_field.layered_gather import (
+    BlurKernel,
+    LayeredGatherKernel,
+    is_layered,
+)
 from vrcomfort.render.effects.depth_of_field.lens_radius import lens, radius_per_dioptre_px
 from vrcomfort.render.effects.depth_of_field.near_things import BEHIND_PX, NearThings
 from vrcomfort.render.effects.effect import EffectInputs, EffectPass, EyeFrame, RegisteredEffect
@@ -70,12 +74,17 @@ class DepthOfFieldPass(EffectPass):
         self._size_px = inputs.size_px
         self._slices_m = settings.slices_m if settings.kernel == "mip_slices" else None
         self._coc = CocPasses(inputs)
-        self._kernel = make_kernel(self._coc, settings)
-        self.target = self._kernel.target
         self._near: NearThings | None = None
-        ours = isinstance(self._kernel, LayeredGatherKernel) and settings.views == 1
+        ours = is_layered(settings) and settings.views == 1
         if ours and inputs.scene is not None and self._coc.max_radius_px > BEHIND_PX:
-            self._near = NearThings(inputs.ctx, self._coc, inputs.scene, self.target)
+            self._near = near = NearThings(inputs.ctx, self._coc, inputs.scene)
+            kernel = LayeredGatherKernel(self._coc, settings, near.cut, near.blurred)
+            self._kernel: BlurKernel = kernel
+            self._warm_up = [near.warm_up, kernel.warm_up]
+        else:
+            self._kernel = make_kernel(self._coc, settings)
+            self._warm_up = []
+        self.target = self._kernel.target
 
     @property
     def draws_behind(self) -> bool:
@@ -91,7 +100,7 @@ class DepthOfFieldPass(EffectPass):
             self._near.draw_behind(pixel_aspect)
         self._kernel.render(pixel_aspect)
         if self._near is not None:
-            self._near.draw_over(pixel_aspect)
+            self._near.draw_over()
 
     def adjust(self, condition: Condition, settings: DepthOfField) -> None:
         """Blur by other settings, and take another distance of the sky, from now on."""
@@ -104,8 +113,8 @@ class DepthOfFieldPass(EffectPass):
 
     def warm_up(self) -> None:
         """Draw once what frames without near things skip."""
-        if self._near is not None:
-            self._near.warm_up()
+        for draw in self._warm_up:
+            draw()
 
     @property
     def max_radius_px(self) -> float:

@@ -27,6 +27,7 @@ from vrcomfort.render.effects.depth_of_field.half_gather import HalfGatherKernel
 from vrcomfort.render.effects.depth_of_field.layered_gather import (
     BlurKernel,
     LayeredGatherKernel,
+    is_layered,
 )
 
 
@@ -224,8 +225,8 @@ _KERNELS: dict[Kernel, Callable[[CocPasses], BlurKernel]] = {
 
 def make_kernel(coc: CocPasses, settings: DepthOfField) -> BlurKernel:
     """Return the kernel that `settings` name, reading the points of `coc`."""
-    if settings.kernel != "vrcomfort":
-        return _KERNELS[settings.kernel](coc)
-    if settings.samples == blur_kernels.HALF_GATHER_SAMPLES:
+    if is_layered(settings):
+        return LayeredGatherKernel(coc, settings)
+    if settings.kernel == "vrcomfort":
         return HalfGatherKernel(coc)
-    return LayeredGatherKernel(coc, settings)
+    return _KERNELS[settings.kernel](coc)

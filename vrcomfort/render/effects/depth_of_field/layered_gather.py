@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from vrcomfort.gpu import gl
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.conditional import ConditionalDraws
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, of_each
 from vrcomfort.gpu.passes import AnyTexture
 from vrcomfort.optics import blur_kernels
 from vrcomfort.protocol.conditions import DepthOfField
@@ -27,6 +28,29 @@ class BlurKernel(Protocol):
         """Blur the present points."""
 
 
+class CutLamps(NamedTuple):
+    """What cuts the discs of lamps behind the focus: something near.
+
+    Parameters
+    ----------
+    tiles
+        Where that is so: ``cut_tiles.frag``.
+    inputs
+        What ``complex.frag`` reads of near things.
+    if_near
+        Without anything near no tile is drawn.
+    """
+
+    tiles: AnyTexture
+    inputs: Inputs
+    if_near: ConditionalDraws
+
+
+def is_layered(settings: DepthOfField) -> bool:
+    """Return whether these settings want a :class:`LayeredGatherKernel`."""
+    return settings.kernel == "vrcomfort" and settings.samples != blur_kernels.HALF_GATHER_SAMPLES
+
+
 class LayeredGatherKernel:
     """Classifies tiles, makes coarser mips, draws each class of tiles: docs/depth_of_field.md.
 
@@ -41,18 +65,25 @@ class LayeredGatherKernel:
         self,
         coc: CocPasses,
         settings: DepthOfField,
+        cut: CutLamps | None = None,
+        target: AnyTexture | None = None,
     ) -> None:
-        self._coc = coc
+        self._coc, self._cut = coc, cut
         self._defines = coc.level_defines
         self._points = {"colour_and_coc": coc.colour_and_coc}
         self._dilate = self._dilate_pass()
         self._layers = self._layer_passes()
         layers: Inputs = {"layers": [each.target for each in self._layers]} if self._layers else {}
-        self.target = gl.eye_texture(coc.ctx, coc.size_px, coc.eyes)
+        self.target = target or gl.eye_texture(coc.ctx, coc.size_px, coc.eyes)
         # A shader for each class, which reads only what the class needs.
         self._composite = [self._tiles("IN_FOCUS", "in_focus"), self._tiles("FAST", "fast")]
         coarser = {"COARSER_BEHIND": int(blur_kernels.coarser_behind(settings.samples))}
         self._composite.append(self._tiles("COMPLEX", "complex", layers, defines=coarser))
+        self._composite_cut: FullscreenPass | None = None
+        if cut is not None:
+            read: Inputs = {**layers, **cut.inputs, "cut": cut.tiles}
+            defines = {**coarser, "WITH_CUT": 1}
+            self._composite_cut = self._tiles("CUT", "complex", read, defines)
         self._gather: FullscreenPass | None = None
         if self._layers:
             self._gather = self._gather_pass(layers)
@@ -73,15 +104,28 @@ class LayeredGatherKernel:
         sharp.render()
         for each in others:
             each.render(pixel_aspect_of_eye=pixel_aspect)
+        if self._cut is not None:
+            self._cut.if_near.run(self._draw_cut, pixel_aspect)
+
+    def warm_up(self) -> None:
+        """Draw once what frames without near things skip."""
+        self._draw_cut(of_each([1.0] * self._coc.eyes))
+
+    def _draw_cut(self, pixel_aspect: PixelAspect) -> None:
+        if self._composite_cut is not None:
+            self._composite_cut.render(pixel_aspect_of_eye=pixel_aspect)
 
     def _dilate_pass(self) -> FullscreenPass:
         tiles, (inputs, defines) = self._coc.tile_min_max, self._coc.reach
+        if self._cut is not None:
+            inputs, defines = {**inputs, "cut": self._cut.tiles}, {**defines, "WITH_CUT": 1}
         return self._coc.make_pass(
             "coc_tile_dilate",
             {"tiles": tiles, **inputs},
             texel_px=self._coc.tile_px,
             defines={**self._defines, **defines},
-            reach_px={"tiles": self._coc.max_radius_px + 2},  # tiles that it touches count whole
+            # Tiles that it touches count whole.
+            reach_px={"tiles": self._coc.max_radius_px + 2, "cut": 0.0},
         )
 
     def _layer_passes(self) -> list[FullscreenPass]:

@@ -27,7 +27,7 @@ from vrcomfort.render.effects.depth_of_field.coc_passes import (
     PixelAspect,
     each_level,
 )
-from vrcomfort.render.effects.depth_of_field.layered_gather import of_class, on_tiles
+from vrcomfort.render.effects.depth_of_field.layered_gather import CutLamps, of_class, on_tiles
 from vrcomfort.render.scene_pass import ScenePass
 
 BEHIND_PX = shaders.constant("near.glsl", "BEHIND_PX")
@@ -40,14 +40,12 @@ _BEHIND = shaders.constant("tile_classes.glsl", "BEHIND")
 
 
 class NearThings:
-    """Draws what is behind near things into `scene.colour`, and near things over `blurred`.
+    """Draws what is behind near things into `scene.colour`, and near things over :attr:`blurred`.
 
     Parameters
     ----------
     scene
         What has drawn `coc`'s colours and depths; its depth and velocity stay those of near things.
-    blurred
-        The image of the kernel, RGBA16F.
     """
 
     def __init__(
@@ -55,7 +53,6 @@ class NearThings:
         ctx: moderngl.Context,
         coc: CocPasses,
         scene: ScenePass,
-        blurred: AnyTexture,
     ) -> None:
         self._ctx, self._coc, self._scene = ctx, coc, scene
         colour = coc.colour_and_coc
@@ -77,7 +74,8 @@ class NearThings:
         nearest = gl.eye_texture(ctx, coc.size_px, coc.eyes, components=1, dtype="f4")
         self._open_next = self._open_pass(nearest, behind_depth, seen=coc.depth_to_coc.depth)
         self._open_last = self._open_pass(nearest, behind_depth)
-        # The image of the kernel is free until it draws.
+        self.blurred = blurred = gl.eye_texture(ctx, coc.size_px, coc.eyes)
+        """The image of the kernel, RGBA16F; free until it draws."""
         scene.prepare_behind(nearest, blurred, behind_depth)
         self._layers = self._layer_passes(blurred, behind_depth)
         self._take = coc.depth_to_coc.make_pass(
@@ -104,6 +102,13 @@ class NearThings:
             **on_tiles(self._classes),
         )
         self._gather = self._gather_pass()
+        self._lamps, self._cut_tiles = self._lamp_passes()
+        self._uncut = gl.framebuffer(ctx, [self._cut_tiles.target])
+        self._clear_cut = passes.clear([self._cut_tiles.target])
+        finest = self._layers[0].targets
+        read = {"near": self._gather.target, "near_light": finest[0], "near_radius": finest[2]}
+        self.cut = CutLamps(self._cut_tiles.target, read, self._if_any)
+        """What the kernel cuts the discs of lamps behind the focus by."""
         self._over = coc.make_pass(
             "near_over",
             {"near": self._gather.target, "dilated": self._classes, **self._of_eye},
@@ -124,17 +129,20 @@ class NearThings:
         self._if_any.run(self._draw_next)
         self._if_more.run(self._draw_last)
         self._if_any.run(self._again.render)
+        self._clear_cut.run(self._uncut.clear)
+        self._if_any.run(self._draw_near, pixel_aspect)
 
-    def draw_over(self, pixel_aspect: PixelAspect) -> None:
+    def draw_over(self) -> None:
         """Draw near things over the blurred image."""
-        self._if_any.run(self._draw_over, pixel_aspect)
+        self._if_any.run(self._over.render)
 
     def warm_up(self) -> None:
         """Draw once what frames without near things skip."""
         self._draw_next()
         self._draw_last()
         self._again.render()
-        self._draw_over(of_each([1.0] * self._coc.eyes))
+        self._draw_near(of_each([1.0] * self._coc.eyes))
+        self._over.render()
 
     def _any_behind(self) -> bool:
         return bool(self._is_behind().any())
@@ -167,11 +175,12 @@ class NearThings:
         self._scene.draw_behind()
         self._take.render()
 
-    def _draw_over(self, pixel_aspect: PixelAspect) -> None:
+    def _draw_near(self, pixel_aspect: PixelAspect) -> None:
         if self._most is not None:
             self._most.render()
         self._gather.render(pixel_aspect_of_eye=pixel_aspect)
-        self._over.render()
+        self._lamps.render()
+        self._cut_tiles.render(pixel_aspect_of_eye=pixel_aspect)
 
     def _open_pass(
         self,
@@ -271,6 +280,32 @@ class NearThings:
                 )
             )
         return found
+
+    def _lamp_passes(self) -> tuple[FullscreenPass, FullscreenPass]:
+        coc, (inputs, defines) = self._coc, self._coc.reach
+        lamps = coc.make_pass(
+            "lamp_tiles",
+            {"colour_and_coc": coc.colour_and_coc, "tiles": coc.tile_min_max},
+            texel_px=coc.tile_px,
+            components=1,
+            defines={"TILE": coc.tile_px},
+            reach_px=0.0,
+        )
+        cut = coc.make_pass(
+            "cut_tiles",
+            {"lamps": lamps.target, "dilated": self._classes, **inputs, **self._of_eye},
+            texel_px=coc.tile_px,
+            components=1,
+            defines={
+                **of_class("NEAR", 1, beside=0),
+                **self._near(),
+                **defines,
+                "COARSEST_PX": coc.disc_px - coc.max_radius_px,
+            },
+            reach_px={"lamps": coc.disc_px, "dilated": 0.0},
+            **on_tiles(self._classes),
+        )
+        return lamps, cut
 
     def _near(self) -> dict[str, Any]:
         """Return the defines of tiles that near discs come to, in eyes with anything behind."""
