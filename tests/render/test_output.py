@@ -39,6 +39,7 @@ def test_numbers_come_back_and_files_repeat(tmp_path):
 
 
 def test_the_same_frames_make_the_same_video(tmp_path, frames):
+    frames = [np.tile(frame, (3, 3, 1)) for frame in frames]  # x264 does not repeat tiny images
     for name in ("a.mp4", "b.mp4"):
         with output.VideoWriter(tmp_path / name, frames_per_s=72) as video:
             for frame in frames:
@@ -47,5 +48,5 @@ def test_the_same_frames_make_the_same_video(tmp_path, frames):
     with av.open(str(tmp_path / "a.mp4")) as container:
         decoded = list(container.decode(video=0))
         assert len(decoded) == len(frames)
-        assert (decoded[0].width, decoded[0].height) == (62, 40)
+        assert (decoded[0].width, decoded[0].height) == (188, 122)
         assert container.streams.video[0].average_rate == 72
