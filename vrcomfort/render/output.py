@@ -138,7 +138,8 @@ class VideoWriter:
     Notes
     -----
     Colour is subsampled by two: an odd last column or row is left out. Of images of up to
-    96×72 pixels x264 makes other bytes in up to nine of a thousand videos; of 128×96 in none of 3647.
+    96×72 pixels x264 makes other bytes in up to nine of a thousand videos; of 128×96 in none of
+    3647.
     """
 
     def __init__(self, path: Path, *, frames_per_s: float, quality: int = 18) -> None:
