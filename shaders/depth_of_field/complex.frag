@@ -87,7 +87,7 @@ float near_radius_at(vec2 at, float none) {
 
 // How often the light of a disc `off` px away is to be here.
 float lit(vec4 q, vec2 off) {
-    float lamp = q.a > 0.5 ? clamp(max(max(q.r, q.g), q.b) / OUTSHINES - 1.0, 0.0, 1.0) : 0.0;
+    float lamp = q.a > 0.5 ? lamp_part(q) : 0.0;
     vec2 here = 0.5 * gl_FragCoord.xy, lens = 0.5 * off / max(q.a, 0.5);
     lamp = free_of_near < 1.0 ? lamp : 0.0;
     float near_px = 0.0, covered = 0.0;

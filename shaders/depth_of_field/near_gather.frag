@@ -33,11 +33,6 @@ vec4 p_behind = texel_of(light_2[0], middle);
 float own_radius = p.a > 0.0 ? texel_of(radius[0], middle).r / p.a : 0.0;
 float radius_behind = p_behind.a > 0.0 ? texel_of(radius[0], middle).g / p_behind.a : 0.0;
 
-// 1 for what is much brighter than white, which hardly is wider than what is seen of it.
-float lamp_part(vec4 light) {
-    return clamp(max(max(light.r, light.g), light.b) / OUTSHINES - 1.0, 0.0, 1.0);
-}
-
 // A lamp is no veil: of it, what is hidden from the lens's point is missing; of other surfaces it goes on.
 float lamp_behind = lamp_part(p_behind);
 

@@ -88,6 +88,11 @@ float margin_px(float radius) {
 // Light so many times brighter than white, and than what is nearer in its pixel, keeps a disc of its own.
 const float OUTSHINES = 8.0;
 
+// 1 for what is much brighter than white, which hardly is wider than what is seen of it.
+float lamp_part(vec4 light) {
+    return clamp(max(max(light.r, light.g), light.b) / OUTSHINES - 1.0, 0.0, 1.0);
+}
+
 // 0 where q is the surface of p or behind it, 1 where it is nearer.
 float nearer(float p, float q) {
     return clamp((p - q) / margin_px(p) - 1.0, 0.0, 1.0);

@@ -35,11 +35,13 @@ class Stake(NamedTuple):
     instead: str = ""
 
 
-def _words(table: str, line: str = 'labels = ["the heading", …]') -> str:
+_HEADING = '["the heading", …]'
+
+
+def _words(table: str, line: str = f"labels = {_HEADING}") -> str:
     return f"below [{table}] in words.toml: {line}"
 
 
-_HEADING = '["the heading", …]'
 _OUTCOMES = _words("outcomes")
 _NO_OUTCOMES = f"{_words('ignored')}; below [people], if they are facts of people"
 _ITEMS = 'below items: item = "the heading"'
