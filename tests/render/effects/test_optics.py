@@ -176,6 +176,13 @@ def test_shader_radius_survives_a_focus_that_is_no_number(ctx):
     )
 
 
+def test_the_part_of_a_light_that_is_a_lamp_grows_from_eight_to_sixteen_times_white(ctx):
+    """Of the brightest channel, whichever it is."""
+    x = [[0, 0, 0, 1], [8, 8, 8, 1], [0, 10, 0, 1], [12, 0, 3, 1], [1, 2, 14, 1], [99, 1, 1, 1]]
+    found = evaluate(ctx, "coc.glsl", "vec4(lamp_part(x))", x)[:, 0]
+    assert found.tolist() == [0, 0, 0.25, 0.5, 0.75, 1]
+
+
 def test_shader_disc_and_slope_are_the_twins(ctx, rng):
     x = rng.uniform(0, 12, (100, 4))
     x[:, 2] = rng.uniform(0.5, 4, 100)

@@ -2,8 +2,6 @@
 
 import re
 
-import pytest
-
 from tests.support.places import ROOT
 from vrcomfort.resources import data_folder
 
@@ -53,18 +51,17 @@ THROUGH = {
 """Shared functions that only whole shaders call, and where these meet their NumPy twin."""
 
 FUNCTION = re.compile(r"^(?:float|vec\d|mat\d|int|bool) (\w+)\(", re.MULTILINE)
+CALL = re.compile(r"(?<![\w.])(\w+)\(")
 
 
-@pytest.mark.slow
 def test_every_shared_formula_has_a_test():
     """Each function of shaders/include is called in a test, or by one that is.
 
     A NumPy twin's name comes after a dot.
     """
-    texts = [file.read_text(encoding="utf-8") for file in (ROOT / "tests").rglob("test_*.py")]
     bodies = dict(shared_functions())
-    called = {name: re.compile(rf"(?<![\w.]){name}\(") for name in bodies}
-    tried = {name for name in bodies if any(called[name].search(text) for text in texts)}
+    texts = (file.read_text(encoding="utf-8") for file in (ROOT / "tests").rglob("test_*.py"))
+    tried = bodies.keys() & {name for text in texts for name in CALL.findall(text)}
     tried |= THROUGH.keys()
     for _ in bodies:
         tried |= {
