@@ -162,9 +162,26 @@ def test_people_in_columns_beside_the_name_of_a_short_form(tmp_path: Path) -> No
     imported, text = suggested_import([write(tmp_path / "answers.csv", rows)], tmp_path)
     assert [*imported.participants] == people
     assert imported.conditions == ["Big", "Small"]
-    assert {instrument for instrument, _ in imported.responses} == {"nasa_tlx"}
+    assert {instrument for instrument, _ in imported.responses} == {"borg", "likert", "nasa_tlx"}
+    assert len(imported.responses) == 3 * 2 * len(people)
     assert imported.not_asked == {"nasa_tlx": ("performance", "effort", "frustration")}
-    assert "May the rows with borg, likert in 'Scale' be left out?" in text
+    assert "be left out?" not in text
+
+
+def test_conditions_in_columns_beside_what_was_rated(tmp_path: Path) -> None:
+    rated = ("Noticed Obstacles", "Know Size", "Cue Helped", "Not Obscuring")
+    rows: list[list[object]] = [["Participant ID", "Metric", "Control", "World-Locked"]]
+    rows += [
+        [who, metric, 1 + (n + k) % 5, 1 + (2 * n + k) % 5]
+        for n, who in enumerate(("9786", "8621", "9606", "2762"))
+        for k, metric in enumerate(rated)
+    ]
+    imported, _ = suggested_import([write(tmp_path / "pilot.csv", rows)], tmp_path)
+    assert imported.conditions == ["Control", "World_Locked"]
+    (instrument, moment), *_ = imported.responses
+    assert (moment.participant, moment.condition) == ("9786", "Control")
+    answers = imported.responses[instrument, moment].answers
+    assert [*answers.values()] == [1, 2, 3, 4]
 
 
 @pytest.mark.parametrize(("code", "asked"), [("{}", True), ("P{}", False)])

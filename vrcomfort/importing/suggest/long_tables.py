@@ -79,7 +79,7 @@ def find_long(table: SourceTable, columns: Sequence[int], known: Known) -> list[
         if not fitting or len(table.rows) < len(words):
             continue
         response = response_column(table, column, known.vocabulary)
-        responses = [response] if response is not None else _response_columns(table, column, known)
+        responses = [response] if response is not None else response_columns(table, column, known)
         for instrument in known.instruments:
             where = next((each for each in naming[instrument] if each[0] != column), None)
             named = _named_in_rows(table, column, words, instrument, known, where)
@@ -121,7 +121,7 @@ def _answered_beside(
     return found if len(found) == 1 and len(rows) < len(table.rows) else []
 
 
-def _response_columns(table: SourceTable, item_column: int, known: Known) -> list[int]:
+def response_columns(table: SourceTable, item_column: int, known: Known) -> list[int]:
     """Return the columns of numbers beside that of the items, one for each condition."""
     if len(table.rows) <= len(texts(table, item_column)):
         return []  # one person, or means

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from vrcomfort.importing.source import SourceTable
@@ -17,7 +17,7 @@ from vrcomfort.importing.suggest.draft import TomlDraft
 from vrcomfort.importing.suggest.evidence import texts
 from vrcomfort.importing.suggest.heading_roles import Roles
 from vrcomfort.importing.suggest.item_names import How
-from vrcomfort.importing.suggest.long_tables import Long, response_column
+from vrcomfort.importing.suggest.long_tables import Long, response_column, response_columns
 from vrcomfort.importing.suggest.own_instruments import (
     USUAL,
     AnswerRange,
@@ -43,10 +43,10 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
     """Return the lab's own questions of a table that has a row for each answer.
 
     They stand beside those of known instruments, under another name or as other items; or alone
-    in a column that is called item.
+    in a column that is called item. Each person, or condition, may have a column of answers.
     """
-    item, response, named = _columns_of_rows(table, known, found)
-    if item is None or response is None or len({each.response_column for each in found}) > 1:
+    item, responses, named = _columns_of_rows(table, known, found)
+    if item is None or not responses:
         return []
     groups: dict[str, list[str]] = defaultdict(list)
     taken = {text for each in found for text in each.items.values()}
@@ -56,21 +56,25 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
         if group not in names and row[item] and row[item] not in taken | {*groups[group]}:
             groups[group].append(row[item])
     made: set[str] = {*shipped_instruments(), *TAKEN}
-    seven = are_of_seven((row[response] for row in table.rows), known.vocabulary)
+    seven = are_of_seven((row[c] for row in table.rows for c in responses), known.vocabulary)
+    crossed = len(responses) > 1 and _is_crossed(table, item, responses)
     own = []
     for group, words in groups.items():
         rows = [row for row in table.rows if named is None or row[named] == group]
         said = _statements(table, item, words)
         scales: dict[str, AnswerRange] = {}
         for text in words if len(words) <= _MOST_ITEMS else ():
-            asked = replace(table, rows=tuple(row for row in rows if row[item] == text))
-            scale = scale_of(asked, response, known.vocabulary, of_seven=seven)
-            if scale is not None and not _asks_no_opinion(said.get(text, text), known.vocabulary):
+            cells = tuple((row[c],) for row in rows if row[item] == text for c in responses)
+            scale = scale_of(replace(table, rows=cells), 0, known.vocabulary, of_seven=seven)
+            asks = crossed or not _asks_no_opinion(said.get(text, text), known.vocabulary)
+            if scale is not None and asks:
                 scales[text] = scale
+        usual = {text for text, scale in scales.items() if scale.usual[:2] in USUAL}
         sure = [t for t in scales if _is_asked(said.get(t, t), group, known.vocabulary)]
+        sure = sure or ([*scales] if crossed and usual == {*words} else [])
         if not sure:
             continue
-        scales = {t: s for t, s in scales.items() if t in sure or s.usual[:2] in USUAL}
+        scales = {t: s for t, s in scales.items() if t in sure or t in usual}
         taken_names: set[str] = {*TAKEN}
         items = {name_of(text, taken_names): text for text in scales}
         scales = together(scales)
@@ -78,8 +82,19 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
         instrument = declared(name_of(group or "own_questions", made), questions)
         where = None if named is None else (named, group)
         hows: dict[str, How] = dict.fromkeys(items, "name")
-        own.append(Long(instrument, (), item, response, items, hows, [], where))
+        several = tuple(responses) if len(responses) > 1 else ()
+        for column in responses:
+            context = tuple(tokens(table.headings[column])) if several else ()
+            own.append(Long(instrument, context, item, column, items, hows, [], where, several))
     return own
+
+
+def _is_crossed(table: SourceTable, item: int, responses: Collection[int]) -> bool:
+    """Return whether everybody has a row for each item."""
+    pairs = ((c, {(row[c], row[item]) for row in table.rows}) for c in range(len(table.headings)))
+    sizes = ((len(texts(table, c)), len(each)) for c, each in pairs if c not in {item, *responses})
+    rows = len(table.rows)
+    return any(n > 1 and n * len(texts(table, item)) == each == rows for n, each in sizes)
 
 
 def _asks_no_opinion(text: str, vocabulary: LabVocabulary) -> bool:
@@ -113,17 +128,20 @@ def _statements(table: SourceTable, column: int, items: Sequence[str]) -> dict[s
 
 def _columns_of_rows(
     table: SourceTable, known: Known, found: Sequence[Long]
-) -> tuple[int | None, int | None, int | None]:
-    """Return the columns of items, of answers, and of the names of questionnaires."""
+) -> tuple[int | None, Sequence[int], int | None]:
+    """Return the column of items, those of answers, and that of the names of questionnaires."""
     if found:
         first = found[0]
         named = first.instrument_column and first.instrument_column[0]
-        return first.item_column, first.response_column, named
+        return first.item_column, [*dict.fromkeys(each.response_column for each in found)], named
     labels = known.vocabulary.item_labels
     items = [c for c, h in enumerate(table.headings) if plain(h) in labels]
     items = [c for c in items if 1 < len(texts(table, c)) <= len(table.rows) // FEWEST_ANSWERS]
-    response = response_column(table, items[0], known.vocabulary) if items else None
-    return (items[0], response, None) if response is not None else (None, None, None)
+    if not items:
+        return None, [], None
+    response = response_column(table, items[0], known.vocabulary)
+    several = response_columns(table, items[0], known) if response is None else [response]
+    return items[0], several, None
 
 
 def draft_own_rows(
@@ -131,7 +149,7 @@ def draft_own_rows(
 ) -> Drafted:
     """Draft the lab's own questions of a table that has a row for each answer."""
     draft, rows = places_of_rows(table, long, facts)
-    cells = [row[long.response_column] for row in rows]
+    cells = [row[c] for row in rows for c in long.siblings or (long.response_column,)]
     put_coding(
         draft, long.instrument, dict.fromkeys(cells), table.reading.decimal or ".", known.vocabulary
     )
