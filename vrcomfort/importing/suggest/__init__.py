@@ -146,7 +146,7 @@ def _suggested(
         rows = None if table.reading.sections else table.reading.heading_rows
         groups.setdefault((table.headings, rows), []).append(table)
     drafts = joined([TableDraft(tables, known) for tables in groups.values()], known)
-    alone = len(drafts) == 1
+    alone = len(drafts) == 1 or all(draft.people is None for draft in drafts)
     drafts = [d if {*d.files} & {*but} else with_left_over(d, known, alone=alone) for d in drafts]
     useful = [d for d in drafts if d.gives and not is_sidecar(d.tables[0], read)] or drafts
     say_names_of_files(useful)

@@ -117,6 +117,8 @@ class Conditions(FactDraft):
         names = ", ".join(repr(self.heading(c)) for c in columns)
         who = self._context.participant
         columns = [c for c in columns if not self._is_count(c)] or columns
+        columns = [c for c in columns if not self._lacks_rows(c)] or columns
+        columns = [c for c in columns if not self._is_said_by(c, columns)]
         within = [c for c in columns if varies_within(self._table, c, who)]
         between = [c for c in columns if 1 < len(texts(self._table, c)) <= _MOST_LEVELS]
         chosen = within or (between if self._levels(between) else columns[:1])
@@ -129,6 +131,13 @@ class Conditions(FactDraft):
         if groups is not None:
             chosen_one += f"; {self.heading(groups)!r} is a group of participants"
         self.doubt(f"Which of {names} is the condition?", chosen_one, CONDITIONS)
+
+    def _is_said_by(self, column: int, columns: Sequence[int]) -> bool:
+        """Return whether each text of another column goes with one of this, as a part of it."""
+        pairs = ((c, len({(row[c], row[column]) for row in self._table.rows})) for c in columns)
+        counts = [(c, len({*self._table.column(c)}), pair) for c, pair in pairs if c != column]
+        own = len({*self._table.column(column)})
+        return any(n == pair and (n > own or c < column) for c, n, pair in counts)
 
     def _cross(self, columns: Sequence[int]) -> None:
         """Make conditions of columns together, which are their factors if crossed; and ask."""

@@ -17,6 +17,8 @@ from vrcomfort.importing.suggest.draft import (
 )
 from vrcomfort.importing.suggest.evidence import Candidate, Context, texts
 
+_LACKS = 10
+"""A column that is blank in more than one of so many rows lacks some."""
 _STAKES = {"participant": PEOPLE, "condition": CONDITIONS, "timepoint": TIMEPOINTS, "trial": ORDER}
 
 
@@ -79,6 +81,9 @@ class FactDraft:
         self._vocabulary = found.context.vocabulary
         self._named = named
         self.found = found
+
+    def _lacks_rows(self, column: int) -> bool:
+        return self._table.column(column).count("") * _LACKS > len(self._table.rows)
 
     def heading(self, column: int) -> str:
         """Return the heading of a column."""

@@ -44,8 +44,6 @@ _FEWEST_OF_FILE = 4
 _OF_ROWS = {"condition", "timepoint", "session", "period", "block", "trial", "scene"}
 """Facts that tell the rows of one person apart."""
 _NUMBER = re.compile(r"\d")
-_LACKS = 10
-"""A column that is blank in more than one of so many rows lacks some."""
 _MOMENTS_AFTER = 2
 
 
@@ -117,9 +115,6 @@ class _Facts(People):
         names = ", ".join(repr(self.heading(column)) for column in named)
         assumed = f"it is not: {self.heading(whole[0])!r}, which lacks none, is"
         self.doubt(f"{names} lacks rows: is it not the condition?", assumed, CONDITIONS)
-
-    def _lacks_rows(self, column: int) -> bool:
-        return self._table.column(column).count("") * _LACKS > len(self._table.rows)
 
     def _stimuli(self) -> None:
         """Take a column of many things that were shown for the scene, and ask."""

@@ -444,6 +444,7 @@ def _best(
         items = {i: named for i, named in block.items.items() if named.column not in taken}
         said, *_ = merit(block)
         sure = all(named.how == "name" for named in items.values())
+        sure = sure and len({(named.before, named.after) for named in items.values()}) == 1
         fewest = FEWEST_OF_NAMED if said and sure else FEWEST
         enough = min(fewest, len(block.instrument.asked))
         if len(items) >= enough and _is_worth(block, items):

@@ -33,7 +33,8 @@ def with_left_over(draft: TableDraft, known: Known, *, alone: bool) -> TableDraf
     Parameters
     ----------
     alone
-        The table is the only one: it holds what was measured, not who the people of others are.
+        The table is the only one, or none names people: it holds what was measured, not who the
+        people of others are.
     """
     left, found = draft.left, draft
     if not draft.known:

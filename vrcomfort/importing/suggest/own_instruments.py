@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import pairwise
 from math import inf
@@ -73,7 +73,17 @@ class OwnQuestion:
 
 
 def own_instruments(questions: Sequence[OwnQuestion]) -> list[Found]:
-    """Return the lab's own questions as instruments: those that are asked together are one."""
+    """Return the lab's own questions as instruments: those that are asked together are one.
+
+    What is measured in one administration is measured in all.
+    """
+    measured = {plain(each.text) for each in questions if each.how == "measure"}
+    questions = [
+        replace(each, how="measure", said=each.seen)
+        if each.how == "left" and plain(each.text) in measured
+        else each
+        for each in questions
+    ]
     met: dict[str, set[Context]] = defaultdict(set)
     for each in questions:
         met[plain(each.text)].add(each.context)

@@ -138,9 +138,18 @@ class OwnQuestions:
             if len(numbers) >= FEWEST_OF_SERIES and not no_name:
                 alike[tuple(numbers)].append(words)
         codes = max(alike.values(), key=len, default=[])
+        if not self._are_met_together(codes):
+            return []
         letters = all(len(code) == len(code[0]) == 1 for code in codes)
         ordered = "sequence" in self._roles.covariates and not self._roles.facts.get("condition")
         return codes if len(codes) > 1 and (letters or ordered) else []
+
+    def _are_met_together(self, codes: Sequence[tuple[str, ...]]) -> bool:
+        """Return whether people answered under several codes: others are forms of one question."""
+        said = [(c, tokens(self._table.headings[c])[:-1]) for c in self._scales]
+        columns = [[c for c, words in said if words == [*code]] for code in codes]
+        rows = ([any(row[c] for c in own) for own in columns] for row in self._table.rows)
+        return any(sum(answered) > 1 for answered in rows)
 
     @cached_property
     def courses(self) -> list[FoundCourse]:
@@ -344,6 +353,9 @@ class OwnQuestions:
         items = [c for c in whole if self._scales[c].usual[:2] == scale.usual[:2]]
         among = left is None and len(items) >= _FEWEST_OF_BLOCK
         if scale.step < 1 and (among or self._is_mean(column, whole)):
+            return True
+        given = [c for c in others if c in self._left]
+        if left is not None and left.measured and self._is_mean(column, given):
             return True
         fillers = self._vocabulary.scale_fillers | self._vocabulary.totals | {"mean", "avg"}
         given = tokens(self._table.headings[column])

@@ -186,7 +186,8 @@ class TableDraft(SaidByHeadings):
         named = (*self._roles.facts["participant"], *self._roles.metadata)
         self.people = who if who in named else None  # as participants, or as names
         if not self._answers[LONG]:
-            self.left, why = left_over(exposures.context, self._unread())
+            unused = [c for c in self._roles.facts["scene"] if c in exposures.unused]
+            self.left, why = left_over(exposures.context, [*self._unread(), *unused])
             self.doubts += ask_to_leave_out(self.table, why)
         self._ignore(exposures)
         self.gives = bool(
