@@ -35,7 +35,7 @@ from vrcomfort.importing.suggest.evidence import (
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.names_of_files import names_with_folders, parts_of_names
 from vrcomfort.importing.suggest.people import People
-from vrcomfort.importing.suggest.shared_codes import JUDGED, is_shown_in_turn
+from vrcomfort.importing.suggest.shared_codes import is_shown_in_turn
 from vrcomfort.importing.suggest.vocabulary import covariate_name, free_name, tokens
 
 _GUESSED_TIMEPOINTS = (BASELINE_AMONG_CONDITIONS, OTHER_TIMEPOINTS)
@@ -434,9 +434,8 @@ class _Facts(People):
             if who is None or not self._varies(column):
                 self._context.covariates[name] = column
                 self._context.used.add(column)
-            elif is_shown_in_turn(self._table, column, who) or (
-                name in JUDGED and is_numeric(self._table, column)
-            ):  # glasses, of which each person wears two, or how well each was seen
+            elif is_shown_in_turn(self._table, column, who):
+                # glasses, of which each person wears two, or how well each was seen
                 self._roles.unknown.append(column)
                 del self._roles.covariates[name]
             else:

@@ -27,18 +27,21 @@ Keyed = Sequence[tuple[tuple[str, ...], tuple[str, ...]]]
 def constants_of(table: SourceTable, people: int, roles: Roles) -> list[int]:
     """Return the columns of what a person has but one of: age, sex, and the like."""
     columns = [c for name, c in roles.covariates.items() if name not in (*OF_EXPOSURES, *JUDGED)]
-    return [c for c in columns if not is_shown_in_turn(table, c, people)]
+    return [c for c in columns if is_numeric(table, c) or not is_shown_in_turn(table, c, people)]
 
 
 def is_shown_in_turn(table: SourceTable, column: int, participant: int) -> bool:
-    """Return whether nearly all people have several of a few words, as of conditions."""
+    """Return whether nearly all people have several numbers, or of a few words.
+
+    They are those of conditions, or judgements of what was shown.
+    """
     people: dict[str, set[str]] = defaultdict(set)
     for row in table.rows:
         if row[column]:
             people[row[participant]].add(row[column])
     several = sum(len(words) > 1 for words in people.values())
-    words = few_texts(table, column) and not is_numeric(table, column)
-    return words and several * 5 >= len(people) * 4 > 0
+    short = few_texts(table, column) or is_numeric(table, column)
+    return short and several * 5 >= len(people) * 4 > 0
 
 
 def are_others(tables: Sequence[SourceTable], people: int, constants: Sequence[int]) -> bool:
