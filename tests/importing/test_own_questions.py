@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.importing.test_layouts import suggested_import
 from tests.support.layouts import ENGLISH, write
 from tests.support.report import build_report
 from vrcomfort.errors import InputError
@@ -694,3 +695,43 @@ def test_the_mean_of_columns_that_no_rule_knows_is_no_question(tmp_path: Path) -
             rows.append([f"P{n}", shown, RANDOM.randint(1, 7), *said, round(sum(said) / 3, 2)])
     imported = imported_from(write(tmp_path / "presence.csv", rows))
     assert {*own_items(imported)} == {"sickness", "being_there", "reality", "visiting"}
+
+
+def test_what_is_measured_in_one_condition_is_measured_in_all_and_means_are_none(
+    tmp_path: Path,
+) -> None:
+    rows: list[list[object]] = [["ID", "P_FP", "P_H", "P_AVG", "E_SP_FP", "E_SP_H"]]
+    rows[0] += ["SSQ_TS_FP", "SSQ_TS_H"]
+    for n in range(1, 9):
+        a, b = 90 + 7 * n % 31, 64 + 37 * n % 95
+        rows.append(
+            [f"P{n}", a, b, (a + b) / 2, 4 + n * n % 13, 3 + 5 * n * n % 17, 3.74 * n, 7.48 * n]
+        )
+    imported, _ = suggested_import([write(tmp_path / "scores.csv", rows)], tmp_path)
+    assert imported.conditions == ["FP", "H"]
+    own = [each for (name, _), each in imported.responses.items() if name == "own_measures"]
+    assert [len(each.answers) for each in own] == [2] * 16
+
+
+def test_forms_of_the_same_questions_that_nobody_answered_together_are_no_conditions(
+    tmp_path: Path,
+) -> None:
+    rows: list[list[object]] = [["ID", "Order"]]
+    rows[0] += [f"VR{form}_0{k}" for form in ("02", "13") for k in range(1, 5)]
+    for n in range(1, 13):
+        answers: list[object] = [1 + (n + k) % 4 for k in range(4)]
+        form = [*answers, "", "", "", ""] if n % 2 else ["", "", "", "", *answers]
+        rows.append([f"P{n}", "0123" if n % 3 else "3210", *form])
+    imported, _ = suggested_import([write(tmp_path / "forms.csv", rows)], tmp_path)
+    assert not {"02", "13"} & {*imported.conditions}
+    assert {moment.timepoint for _, moment in imported.responses} == {"post"}
+
+
+def test_three_items_whose_headings_are_made_in_three_ways_are_no_questionnaire(
+    tmp_path: Path,
+) -> None:
+    names = ["o_p", "Physical_Demand", "First_Mental", "Second_Mental", "First_HR", "Second_HR"]
+    rows: list[list[object]] = [["ID", *names]]
+    rows += [[f"P{n}", n, 1 + n % 9, 1 + n % 5, 2 + n % 7, 60 + n, 70 + n] for n in range(1, 9)]
+    imported, _ = suggested_import([write(tmp_path / "NASA.csv", rows)], tmp_path)
+    assert "nasa_tlx" not in {instrument for instrument, _ in imported.responses}

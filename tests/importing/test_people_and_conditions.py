@@ -8,6 +8,7 @@ from pathlib import Path
 import openpyxl
 import pytest
 
+from tests.importing.test_layouts import suggested_import
 from tests.support.layouts import write
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.suggest import Suggestion, suggest_mapping
@@ -297,3 +298,64 @@ def test_names_of_files_with_other_columns_each_say_the_moment_and_questions_are
         *((str(n), "baseline") for n in people),
         *((str(n), "post") for n in people[1:]),
     }
+
+
+def test_people_of_a_list_have_other_letters_before_their_numbers(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["Participant", "Condition", "Comfort"]]
+    rows += [[f"P{n}", c, 1 + (n + k) % 7] for n in range(1, 7) for k, c in enumerate(("VR", "PC"))]
+    first = [
+        ["Participant", "Started with"],
+        *([f"ID{n}", ("VR", "PC")[n % 2]] for n in range(1, 7)),
+    ]
+    files = [write(tmp_path / "answers.csv", rows), write(tmp_path / "people.csv", first)]
+    imported, text = suggested_import(files, tmp_path)
+    assert imported.participants["P1"] == {"started_with": "PC"}
+    assert len(imported.participants) == 6
+    assert "Are these participants one person each: 'P1' and 'ID1'" in text
+
+
+def test_rows_of_several_files_without_codes_are_other_people(tmp_path: Path) -> None:
+    def asked(count: int, *statements: str) -> list[list[object]]:
+        answers = ([1 + (n * k) % 5 for k in range(1, 1 + len(statements))] for n in range(count))
+        return [list(statements), *answers]
+
+    sites = asked(6, "Le texte était clair.", "Je trouve ce site utile.", "Je me sens à l'aise.")
+    needs = asked(8, "Les capacités du site correspondent à mes besoins", "Le site est facile")
+    files = [write(tmp_path / "deep.csv", sites), write(tmp_path / "umux.csv", needs)]
+    imported, _ = suggested_import(files, tmp_path)
+    assert len(imported.participants) == 14
+    assert sum(len(each.answers) for each in imported.responses.values()) == 6 * 3 + 8 * 2
+
+
+def test_a_file_for_each_exposure_has_a_row_without_headings(tmp_path: Path) -> None:
+    scenes = ("Calming", "Exciting", "Neutral")
+    files = [
+        write(
+            tmp_path / f"2020-10-{10 + n},0{k}.{n}{k}.csv",
+            [[110 * n, f"2020-10-{10 + n}", f"0{k}.{n}{k}", scene, 1 + (n + k) % 9, 9 - n % 9]],
+        )
+        for n in range(1, 8)
+        for k, scene in enumerate(scenes)
+    ]
+    people = [["How old are you?", "What is your gender?"], *([20 + n, "Female"] for n in range(7))]
+    imported, text = suggested_import([*files, write(tmp_path / "people.csv", people)], tmp_path)
+    assert imported.conditions == list(scenes)
+    assert [*imported.participants] == [str(110 * n) for n in range(1, 8)]
+    assert 'ignore_files = ["people.csv"]' in text
+
+
+def test_columns_for_conditions_that_lack_rows_or_say_them_again_are_no_factors(
+    tmp_path: Path,
+) -> None:
+    rows: list[list[object]] = [
+        ["Participant", "Condition", "Preferred condition", "Condition code", "Location", "Comfort"]
+    ]
+    cues = ("Control", "HUD", "World")
+    rows += [
+        [f"P{n}", c, ("", *("Yes", "No")[:: 1 - 2 * (n % 2)])[k], k, 1 + (n + k) % 7, 1 + n * k % 7]
+        for n in range(1, 9)
+        for k, c in enumerate(cues)
+    ]
+    imported, _ = suggested_import([write(tmp_path / "cues.csv", rows)], tmp_path)
+    assert imported.conditions == list(cues)
+    assert {len(each.answers) for each in imported.responses.values()} == {2}

@@ -387,8 +387,8 @@ def is_number(cell: str) -> bool:
 def is_heading(rows: Sequence[Sequence[str]]) -> bool:
     """Return whether the first row names columns: it differs from the rows below it."""
     first, below = rows[0], rows[1:60]
-    if not below:
-        return True
+    if not below:  # alone, a row with numbers is one of data
+        return not any(map(is_number, first))
     count = [number for number in map(whole_or_none, first) if number is not None and number >= 0]
     if len(count) >= 3 and all(b - a == 1 for a, b in pairwise(count)):
         return True  # the numbers of items

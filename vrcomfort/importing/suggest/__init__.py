@@ -45,6 +45,7 @@ from vrcomfort.importing.suggest.same_people import (
     say_contradictions,
     say_others,
     say_same_people,
+    without_nobodys,
 )
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import (
@@ -148,7 +149,9 @@ def _suggested(
     drafts = joined([TableDraft(tables, known) for tables in groups.values()], known)
     alone = len(drafts) == 1 or all(draft.people is None for draft in drafts)
     drafts = [d if {*d.files} & {*but} else with_left_over(d, known, alone=alone) for d in drafts]
-    useful = [d for d in drafts if d.gives and not is_sidecar(d.tables[0], read)] or drafts
+    useful = without_nobodys(
+        [d for d in drafts if d.gives and not is_sidecar(d.tables[0], read)] or drafts
+    )
     say_names_of_files(useful)
     say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)
     say_moments_of_files(useful, known.vocabulary)

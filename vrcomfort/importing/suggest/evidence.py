@@ -196,6 +196,24 @@ def _codes_in_equally_many_rows(context: Context, column: int) -> bool:
 _FEWEST_PEOPLE = 5
 
 
+def _meets_all_words(context: Context, column: int) -> bool:
+    """Return whether a column of the first ones is crossed with fewer words of another.
+
+    So people are with conditions. They have codes, or stand in a table without headings.
+    """
+    table, open_ = context.table, context.roles.unknown
+    codes = texts(table, column)
+    if column not in open_[:FIRST_COLUMNS] or len(codes) < _FEWEST_PEOPLE:
+        return False
+    if any(map(_DATE.match, codes)) or max(map(len, codes)) > LONGEST_CODE:
+        return False
+    if table.reading.heading_rows and not all(re.search(r"\d", code) for code in codes):
+        return False
+    words = (c for c in (*open_, *context.roles.facts["condition"]) if few_texts(table, c))
+    words = (c for c in words if c != column and not is_numeric(table, c))
+    return any(len(texts(table, c)) < len(codes) and is_balanced(table, c, column) for c in words)
+
+
 def asks_name(table: SourceTable, column: int, vocabulary: LabVocabulary) -> bool:
     """Return whether a heading, or the text of its question, asks who the person is."""
     return any(
@@ -491,7 +509,11 @@ RECURRING_NAMES = CellEvidence(
     "participant", "names, each in several rows", 15, _recurring_names,
     "Does {heading!r} tell participants apart?", "it does; they are numbered, without their names",
 )  # fmt: skip
-CODES = (CODES_IN_ROWS, CODES_UNDER_NAME, RECURRING_NAMES)
+CROSSED_CODES = CellEvidence(
+    "participant", "codes that are crossed with words", 32, _meets_all_words,
+    "Does {heading!r} tell participants apart?", "it does",
+)  # fmt: skip
+CODES = (CROSSED_CODES, CODES_IN_ROWS, CODES_UNDER_NAME, RECURRING_NAMES)
 """Evidence of codes and names that are people's, whatever files are called."""
 COUNTS_EXPOSURES = CellEvidence(
     "condition", "a number of exposures", 20, _counts_exposures,
@@ -504,6 +526,7 @@ GROUPS_PEOPLE = CellEvidence(
 """Together these two are a crossover: the condition is a group's, in each of its exposures."""
 
 CELLS: tuple[CellEvidence, ...] = (
+    CROSSED_CODES,
     CellEvidence(
         "participant", "short texts, others for each row or person", 30, _tells_people_apart,
         "Does {heading!r} tell participants apart?", "it does",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations
 
 from vrcomfort.importing.suggest.codes import codes_in
@@ -217,11 +218,7 @@ class _Facts(People):
     def _names_of_files(self) -> None:
         """Take facts from the names of sheets, or of files."""
         answers = self._answers
-        others = (*self._roles.unknown, *self._roles.metadata)
-        coded = any(
-            each.evidence in CODES for each in candidates("participant", others, self._context)
-        )
-        wanted = [] if coded or self._context.participant is not None else ["participant"]
+        wanted = [] if self._coded() is not None else ["participant"]
         known = {*answers.said, *self._context.columns}
         wanted += [
             fact
@@ -230,8 +227,10 @@ class _Facts(People):
         ]
         if not self._roles.facts.get("session"):
             wanted.append("session")
-        if self._moments_of_files() or self._ask_otherwise():
+        if self._said_in_files("timepoint") or self._ask_otherwise():
             wanted = [fact for fact in wanted if fact == "participant"]
+        elif self._said_in_files("condition"):
+            wanted = [fact for fact in wanted if fact != "condition"]
         sheets = [table.sheet for table in answers.tables]
         stems = names_with_folders([table.file for table in answers.tables])
         ways = (("sheet_name", sheets, "sheets"), ("file_name", stems, "files"))
@@ -258,9 +257,23 @@ class _Facts(People):
             )
             self.doubt(f"Do the names of the {what} ({shown}) say this?", said, NAMES_OF_FILES)
 
-    def _moments_of_files(self) -> bool:
-        """Return whether a column says the moment of each file: names of files say no more."""
-        found = candidates("timepoint", self._roles.unknown, self._context)
+    def _coded(self) -> int | None:
+        """Return the column of codes of people, whatever its heading."""
+        if self._context.participant is not None:
+            return self._context.participant
+        others = (*self._roles.unknown, *self._roles.metadata)
+        found = candidates("participant", others, self._context)
+        return next((each.column for each in found if each.evidence in CODES), None)
+
+    def _said_in_files(self, fact: str) -> bool:
+        """Return whether a column says the moment or condition of each file: its name says no more.
+
+        Conditions are words of which nearly everybody has each.
+        """
+        context = replace(self._context, participant=self._coded())
+        found = candidates(fact, self._roles.unknown, context)
+        if fact == "condition":
+            found = [each for each in found if each.evidence is BALANCED_WORDS]
         if not found or len({table.file for table in self._answers.tables}) < 2:
             return False
         words = {*texts(self._table, found[0].column)}

@@ -93,7 +93,8 @@ def parts_of_names(
             rest = [i for i in rest if i not in roles]
     told = {tuple(columns[i][k] for i in roles) for k in range(len(names))}
     worded = [i for i in rest if not all(map(str.isdecimal, columns[i]))]
-    if "participant" not in wanted and worded and len(told) < len({*names}):
+    alone = "condition" in wanted and "participant" not in wanted
+    if alone and worded and len(told) < len({*names}):
         return _whole(names, ["condition"], vocabulary)  # 360_stereo, 360_mono, cgi_stereo
     return _made(columns, roles)
 

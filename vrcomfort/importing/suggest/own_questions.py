@@ -138,18 +138,17 @@ class OwnQuestions:
             if len(numbers) >= FEWEST_OF_SERIES and not no_name:
                 alike[tuple(numbers)].append(words)
         codes = max(alike.values(), key=len, default=[])
-        if not self._are_met_together(codes):
+        said = [(c, tokens(self._table.headings[c])[:-1]) for c in self._scales]
+        if not self._are_met_together([[c for c, w in said if w == [*code]] for code in codes]):
             return []
         letters = all(len(code) == len(code[0]) == 1 for code in codes)
         ordered = "sequence" in self._roles.covariates and not self._roles.facts.get("condition")
         return codes if len(codes) > 1 and (letters or ordered) else []
 
-    def _are_met_together(self, codes: Sequence[tuple[str, ...]]) -> bool:
-        """Return whether people answered under several codes: others are forms of one question."""
-        said = [(c, tokens(self._table.headings[c])[:-1]) for c in self._scales]
-        columns = [[c for c, words in said if words == [*code]] for code in codes]
-        rows = ([any(row[c] for c in own) for own in columns] for row in self._table.rows)
-        return any(sum(answered) > 1 for answered in rows)
+    def _are_met_together(self, groups: Collection[Collection[int]]) -> bool:
+        """Return whether people answered columns of several groups: others are forms of one."""
+        rows = ([any(row[c] for c in own) for own in groups] for row in self._table.rows)
+        return len(groups) < 2 or any(sum(answered) > 1 for answered in rows)
 
     @cached_property
     def courses(self) -> list[FoundCourse]:
@@ -503,7 +502,11 @@ class OwnQuestions:
         there = [c for c in self._roles.facts.get("condition", ()) if texts(self._table, c)]
         said = there and not numbered_conditions(self._table, self._vocabulary)
         said = said or any(self._vocabulary.told(h) == "condition" for h in self._table.headings)
-        return questions if said else crossed(questions, self._vocabulary)
+        found = questions if said else crossed(questions, self._vocabulary)
+        groups: dict[Context, list[int]] = defaultdict(list)
+        for each in found:
+            groups[each.context].append(each.column)
+        return found if self._are_met_together(groups.values()) else questions
 
 
 def _blank(words: Sequence[str], place: int) -> tuple[str, ...]:

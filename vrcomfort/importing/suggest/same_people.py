@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations
 from typing import Any
@@ -26,7 +26,7 @@ def say_same_people(drafts: Sequence[TableDraft], imported: Imported) -> bool:
     contradicts: they are rows of one person, from other conditions, moments or files.
     """
     answered = _answered(imported)
-    groups = alike(answered) or _with_and_without_letters([*answered])
+    groups = alike(answered) or _called_otherwise(answered)
     if not groups:
         return False
     apart = [group for group in groups if not _are_one(group, answered, imported)]
@@ -53,6 +53,7 @@ def say_same_people(drafts: Sequence[TableDraft], imported: Imported) -> bool:
 
 def say_others(drafts: Sequence[TableDraft]) -> None:
     """Tell people of tables apart who share codes, but not their age, sex or the like; and ask."""
+    _count_apart(drafts)
     known = {id(draft): _known(draft) for draft in drafts}
     others: dict[int, TableDraft] = {}
     for one, two in combinations(drafts, 2):
@@ -69,6 +70,25 @@ def say_others(drafts: Sequence[TableDraft]) -> None:
         question = f"People have the same codes in {files}: are they the same people?"
         assumed = "they are not, as age or the like differs"
         next(iter(others.values())).doubts.append(OpenDoubt(question, assumed, *PEOPLE))
+
+
+def _count_apart(drafts: Sequence[TableDraft]) -> None:
+    """Tell people of several tables apart who are counted row by row, unless they are as many."""
+    counted = [draft for draft in drafts if draft.draft.values.get("participant") == COUNTED]
+    if len({len(table.rows) for draft in counted for table in draft.tables}) > 1:
+        for draft in counted:
+            draft.draft.put("participant", {**COUNTED, "apart": True})
+
+
+COUNTED = {"count": True}
+"""Participants that are the rows of a table."""
+
+
+def without_nobodys(drafts: Sequence[TableDraft]) -> list[TableDraft]:
+    """Return drafts without facts of people whom no code names, beside answers of others."""
+    answered = [draft for draft in drafts if draft.known]
+    named = [d for d in drafts if d.known or d.draft.values.get("participant") != COUNTED]
+    return named if answered else [*drafts]
 
 
 def say_contradictions(drafts: Sequence[TableDraft]) -> bool:
@@ -145,15 +165,23 @@ def _are_one(
     return agree and len(whole) == sum(len(answered[code]) for code in group)
 
 
-def _with_and_without_letters(codes: Sequence[str]) -> list[list[str]]:
-    """Return the pairs of ``7`` and ``P07``, where most people are called in both ways."""
-    parts = {code: match for code in codes if (match := _CODE.fullmatch(code))}
-    bare = {match[2]: code for code, match in parts.items() if not match[1]}
-    full = {match[2]: code for code, match in parts.items() if match[1]}
-    pairs = [[code, bare[number]] for number, code in full.items() if number in bare]
-    one_way = len({match[1].casefold() for match in parts.values() if match[1]}) == 1
-    whole = len(full) + len(bare) == len(codes) and len(pairs) * 4 >= max(len(full), len(bare)) * 3
-    return pairs if one_way and whole and len(pairs) >= _FEWEST_PAIRS else []
+def _called_otherwise(answered: Mapping[str, Collection[object]]) -> list[list[str]]:
+    """Return the pairs of ``7`` and ``P07``, where most people are called in both ways.
+
+    Of ``ID7`` and ``P7``, all of one kind have no answers: a list of people alone has them.
+    """
+    ways: dict[str, dict[str, str]] = defaultdict(dict)
+    for code in answered:
+        if (match := _CODE.fullmatch(code)) is None:
+            return []
+        ways[match[1].casefold()][match[2]] = code
+    if len(ways) != 2 or sum(map(len, ways.values())) < len(answered):
+        return []
+    one, two = (ways[name] for name in sorted(ways, reverse=True))
+    pairs = [[code, two[number]] for number, code in one.items() if number in two]
+    listed = any(not any(answered[code] for code in way.values()) for way in (one, two))
+    most = len(pairs) * 4 >= max(len(one), len(two)) * 3
+    return pairs if ("" in ways or listed) and most and len(pairs) >= _FEWEST_PAIRS else []
 
 
 _CODE = re.compile(r"([^\W\d_]{0,12}[ _-]?)0*(\d+)")
