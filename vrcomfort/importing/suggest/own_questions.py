@@ -353,8 +353,8 @@ class OwnQuestions:
         among = left is None and len(items) >= _FEWEST_OF_BLOCK
         if scale.step < 1 and (among or self._is_mean(column, whole)):
             return True
-        given = [c for c in others if c in self._left]
-        if left is not None and left.measured and self._is_mean(column, given):
+        beside = [c for c in others if c in self._left]
+        if left is not None and left.measured and self._is_mean(column, beside):
             return True
         fillers = self._vocabulary.scale_fillers | self._vocabulary.totals | {"mean", "avg"}
         given = tokens(self._table.headings[column])
