@@ -297,3 +297,40 @@ def test_glasses_of_which_each_person_wears_two_are_the_condition(tmp_path: Path
         rows += [[n, g, k, *given(n, k)] for k, g in enumerate(("Quest", "Pico"), start=1)]
     imported = imported_from(write(tmp_path / "ssq.csv", rows))
     assert {place.condition for _, place in imported.responses} == {"Quest", "Pico"}
+
+
+def test_forms_of_a_codebook_say_conditions_and_moments(tmp_path: Path) -> None:
+    book: list[list[object]] = [["Variable / Field Name", "Form Name", "Field Type", "Field Label"]]
+    for form, code in enumerate(("base", "narrow_after", "wide_after")):
+        for n, item in enumerate(ENGLISH):
+            book.append([f"v{form}x_{n}", f"ssq_{code}", "radio", item])
+        if form:
+            book.append([f"sh{form}", f"ssq_{code}", "text", "How sharp was the picture (0-10)?"])
+    columns = [str(row[0]) for row in book[1:]]
+    rows: list[list[object]] = [["record_id", *columns]]
+    for n in range(1, 9):
+        blocks = [given(n, when) for when in (1, 2, 3)]
+        rows.append([n, *blocks[0], *blocks[1], n, *blocks[2], n + 1])
+    files = [write(tmp_path / "data.csv", rows), write(tmp_path / "dictionary.csv", book)]
+    imported = suggest_mapping(files).imported
+    assert imported is not None
+    assert {(name, p.condition, p.timepoint) for name, p in imported.responses} == {
+        ("ssq", "", "baseline"),
+        *((name, c, "post") for name in ("ssq", "own_questions") for c in ("narrow", "wide")),
+    }
+
+
+def test_numbers_that_a_codebook_names_are_the_condition_and_not_what_never_differs(
+    tmp_path: Path,
+) -> None:
+    names = [f"SSQ_{n}" for n in range(1, 17)]
+    rows: list[list[object]] = [["CASE", "MODE", "ID01", "Cond", *names]]
+    for n in range(1, 9):
+        rows += [[2 * n + k, "interview", f"P{n}", k + 1, *given(n, k + 1)] for k in (0, 1)]
+    book: list[list[object]] = [["VAR", "RESPONSE", "MEANING"]]
+    book += [["Cond", 1, "low"], ["Cond", 2, "high"]]
+    book += [[name, n, word] for name in names for n, word in enumerate(WORDS)]
+    files = [write(tmp_path / "data.csv", rows), write(tmp_path / "values.csv", book)]
+    imported = suggest_mapping(files).imported
+    assert imported is not None
+    assert {place.condition for _, place in imported.responses} == {"low", "high"}

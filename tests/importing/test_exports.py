@@ -34,7 +34,8 @@ def found(files: Sequence[Path]) -> Mapping[tuple[str, str, str], list[int]]:
         (m.participant, m.condition, m.timepoint): [
             -1 if answer is None else int(answer) for answer in response.answers.values()
         ]
-        for (_, m), response in suggested.imported.responses.items()
+        for (name, m), response in suggested.imported.responses.items()
+        if not name.startswith("own")
     }
 
 
@@ -265,3 +266,131 @@ def test_an_instrument_that_a_file_names_and_has_no_answers_to_is_asked_about(
     asked = " ".join(suggest_mapping([write(tmp_path / "ssq_fms.csv", rows)]).doubts)
     assert "The files name the FMS, but no answers to it were found" in asked
     assert "name the SSQ" not in asked
+
+
+@layout
+def loops_whose_texts_name_the_conditions_and_a_baseline_before_them(
+    folder: Path, draw: random.Random
+) -> Made:
+    truth: Truth = {}
+    ask = "How much is each symptom affecting you right now?"
+    heads = [(f"Q5_{n}", f"{ask} - {text}") for n, text in enumerate(ENGLISH, start=1)]
+    for loop, name in enumerate(("Blur", "NoBlur"), start=1):
+        texts = enumerate(ENGLISH, start=1)
+        heads += [(f"{loop}_Q7_{n}", f"[{name}] {ask} - {text}") for n, text in texts]
+    rows: list[Sequence[object]] = [
+        ["ResponseId", "PID", *(code for code, _ in heads)],
+        ["Response ID", "PID", *(text for _, text in heads)],
+        [f'{{"ImportId":"QID{n}"}}' for n in range(2 + len(heads))],
+    ]
+    for n in range(1, 11):
+        given = [answers(draw) for _ in range(3)]
+        truth[f"P{n}", "", "baseline"] = given[0]
+        truth[f"P{n}", "Blur", "post"] = given[1]
+        truth[f"P{n}", "No_Blur", "post"] = given[2]
+        rows.append([f"R_{n}x", f"P{n}", *(WORDS[a] for each in given for a in each)])
+    return [write(folder / "loops.csv", rows)], truth
+
+
+@layout
+def letters_behind_the_name_of_the_questionnaire_and_nought_before_them(
+    folder: Path, draw: random.Random
+) -> Made:
+    truth: Truth = {}
+    heads = [f"SSQ{block}[SQ{n:03d}]" for block in "0AB" for n in range(1, 17)]
+    rows: list[Sequence[object]] = [["id", "submitdate", "PID", *heads]]
+    for n in range(1, 11):
+        given = [answers(draw) for _ in range(3)]
+        truth[f"P{n}", "", "baseline"] = given[0]
+        truth[f"P{n}", "a", "post"], truth[f"P{n}", "b", "post"] = given[1:]
+        rows.append([n, "2024-11-01", f"P{n}", *(f"A{a + 1}" for each in given for a in each)])
+    return [write(folder / "results-survey.csv", rows)], truth
+
+
+@layout
+def columns_of_items_and_of_answers_for_each_moment(folder: Path, draw: random.Random) -> Made:
+    truth: Truth = {}
+    files = []
+    forms = [
+        f"ssq_{when}.{what}" for when in ("pre", "post") for what in ("itemText", "response", "rt")
+    ]
+    for n in range(1, 9):
+        rows: list[Sequence[object]] = [["condition", *forms, "participant", "frameRate"]]
+        for condition in draw.sample(["tunnel", "open"], 2):
+            for place, when in enumerate(("baseline", "post")):
+                truth[str(n), condition, when] = given = answers(draw)
+                for text, answer in zip(ENGLISH, given, strict=True):
+                    cells = [text, WORDS[answer], 1.5, "", "", ""]
+                    cells = cells[3:] + cells[:3] if place else cells
+                    rows.append([condition, *cells, n, 60])
+        files.append(write(folder / f"{n}_tunnel.csv", rows))
+    return files, truth
+
+
+@layout
+def a_row_behind_the_last_answer_in_which_only_the_first_cell_is_filled(
+    folder: Path, draw: random.Random
+) -> Made:
+    truth: Truth = {}
+    before = ["Event Index", *(f"Local {n}" for n in range(12)), "Participant Private ID"]
+    rows: list[Sequence[object]] = [[*before, "Trial Number", "cond", "Question Key", "Response"]]
+    for person in range(31, 41):
+        for condition in ("low", "high"):
+            truth[str(person), condition, "post"] = given = answers(draw)
+            for place, (text, answer) in enumerate(zip(ENGLISH, given, strict=True), start=1):
+                trial = place + 16 * (condition == "high")
+                cells = [trial, condition, text, WORDS[answer]]
+                rows.append([place, *["x"] * 12, person, *cells])
+                rows.append(
+                    [place, *["x"] * 12, person, trial, condition, f"{text}-quantised", answer + 1]
+                )
+    rows.append(["END OF FILE"])
+    return [write(folder / "data_questionnaire-zz9y.csv", rows)], truth
+
+
+@layout
+def times_of_answers_beside_them(folder: Path, draw: random.Random) -> Made:
+    truth: Truth = {}
+    files = []
+    names = [f"slider_{name}.{what}" for name in ITEMS for what in ("response", "rt")]
+    for n in range(1, 9):
+        rows: list[Sequence[object]] = [["condition", *names, "participant", "date"]]
+        for condition in draw.sample(["gauss", "bokeh"], 2):
+            truth[str(n), condition, "post"] = given = answers(draw)
+            cells = [cell for answer in given for cell in (answer, round(draw.random() * 9, 4))]
+            rows.append([condition, *cells, n, "2024-03-01"])
+        files.append(write(folder / f"{n}_blur.csv", rows))
+    return files, truth
+
+
+@layout
+def events_that_are_conditions_beside_moments_in_headings(
+    folder: Path, draw: random.Random
+) -> Made:
+    truth: Truth = {}
+    asked = [f"{when} exposure: {text}" for when in ("Before", "After") for text in ENGLISH]
+    rows: list[Sequence[object]] = [["Record ID", "Event Name", *asked]]
+    for n in range(1, 11):
+        for event in ("Fixed (Arm 1)", "Free (Arm 1)"):
+            both = [answers(draw), answers(draw)]
+            truth[f"P{n}", event, "baseline"], truth[f"P{n}", event, "post"] = both
+            rows.append([f"P{n}", event, *(WORDS[a] for each in both for a in each)])
+    return [write(folder / "DATA_LABELS.csv", rows)], truth
+
+
+@layout
+def the_round_before_all_others_under_a_question_for_rounds(
+    folder: Path, draw: random.Random
+) -> Made:
+    truth: Truth = {}
+    head = ["Zeitstempel", "Probandencode", "Welcher Durchgang war es?"]
+    rows: list[Sequence[object]] = [
+        [*head, *(f"Was spüren Sie gerade? [{text}]" for text in GERMAN)]
+    ]
+    for n in range(1, 11):
+        rounds = ["Vorher (noch keine Brille)", *draw.sample(["Stadt", "Wald"], 2)]
+        for place, name in enumerate(rounds):
+            where = (name, "post") if place else ("", "baseline")
+            truth[f"P{n}", *where] = given = answers(draw)
+            rows.append(["01.03.2024 10:00:12", f"P{n}", name, *(GERMAN_WORDS[a] for a in given)])
+    return [write(folder / "Antworten.csv", rows)], truth

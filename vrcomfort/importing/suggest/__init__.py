@@ -16,7 +16,7 @@ from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.sections import sections
 from vrcomfort.importing.source import Grid, Reading, SourceTable
-from vrcomfort.importing.suggest.codebooks import is_sidecar, with_codebooks
+from vrcomfort.importing.suggest.codebooks import is_codebook, with_codebooks
 from vrcomfort.importing.suggest.draft import (
     LOST,
     REFUSED,
@@ -149,9 +149,7 @@ def _suggested(
     drafts = joined([TableDraft(tables, known) for tables in groups.values()], known)
     alone = len(drafts) == 1 or all(draft.people is None for draft in drafts)
     drafts = [d if {*d.files} & {*but} else with_left_over(d, known, alone=alone) for d in drafts]
-    useful = without_nobodys(
-        [d for d in drafts if d.gives and not is_sidecar(d.tables[0], read)] or drafts
-    )
+    useful = without_nobodys([d for d in drafts if d.gives and not _explains(d, read)] or drafts)
     say_names_of_files(useful)
     say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)
     say_moments_of_files(useful, known.vocabulary)
@@ -280,6 +278,11 @@ def _unanswered(drafts: Sequence[TableDraft], known: Known) -> list[OpenDoubt]:
         for each in known.instruments
         if each.name in named
     ]
+
+
+def _explains(draft: TableDraft, read: Sequence[SourceTable]) -> bool:
+    """Return whether a table without people says what the columns of another are."""
+    return draft.people is None and is_codebook(draft.table, read)
 
 
 def _tables(file: Path, known: Known) -> list[SourceTable]:

@@ -6,9 +6,11 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
+from vrcomfort.questionnaire import plain
 
 _FEWEST = 4
 """Columns that a codebook explains at least."""
@@ -20,6 +22,10 @@ _PAIR = re.compile(
 """``1 = not at all``, with others behind it."""
 
 
+_TITLES = frozenset(map(plain, ["form name", "question"]))
+"""Headings of the forms, and of the questions above several columns, that a codebook names."""
+TITLE = ":"
+"""Behind the title of a form, before the texts of its questions."""
 BESIDE = " | "
 """Between the texts of a label that stand in cells of their own."""
 
@@ -47,7 +53,11 @@ def with_codebooks(tables: Sequence[SourceTable]) -> list[SourceTable]:
         labels, values = [], []
         often = _often(said)
         for heading, label in zip(table.headings, table.labels, strict=True):
-            texts = [text for text in said.get(heading, ()) if text and text not in often]
+            texts = [
+                text
+                for text in said.get(heading, ())
+                if text and (text not in often or text.endswith(TITLE))
+            ]
             labels.append(BESIDE.join(dict.fromkeys([*filter(None, [label]), *texts])))
             values.append({**legend(f"{heading} {label}"), **meanings.get(heading, {})})
         found.append(replace(table, labels=tuple(labels), meanings=tuple(values)))
@@ -55,9 +65,9 @@ def with_codebooks(tables: Sequence[SourceTable]) -> list[SourceTable]:
 
 
 def _often(said: Mapping[str, Sequence[str]]) -> set[str]:
-    """Return texts that a codebook says of many columns, such as their type."""
-    counts = Counter(text for texts in said.values() for text in {*texts})
-    return {text for text, count in counts.items() if count > 1 or is_number(text)}
+    """Return texts that a codebook says of one column and the next, such as their type."""
+    texts = {text for each in said.values() for text in each if is_number(text)}
+    return texts.union(*({*one} & {*other} for one, other in pairwise(said.values())))
 
 
 def legend(text: str) -> dict[str, str]:
@@ -72,6 +82,7 @@ def _explained(book: SourceTable, table: SourceTable) -> Iterator[tuple[str, lis
     if sidecar := _sidecar(book, places):
         yield from sidecar.items()
         return
+    titles = [n for n, heading in enumerate(book.headings) if plain(heading) in _TITLES]
     for column in range(len(book.headings)):
         cells = [cell for cell in book.column(column) if cell]
         rows = [(_range(cell, places), cell) for cell in dict.fromkeys(cells)]
@@ -83,6 +94,8 @@ def _explained(book: SourceTable, table: SourceTable) -> Iterator[tuple[str, lis
             continue  # answers in long form, beside the same ones in a row each
         for row in book.rows:
             others = [cell for n, cell in enumerate(row) if n != column]
+            if title := " ".join(row[n].replace("_", " ") for n in titles if row[n]):
+                others.insert(0, title + TITLE)
             for place in named.get(row[column], ()):
                 yield table.headings[place], others
         return
@@ -106,10 +119,15 @@ def _sidecar(book: SourceTable, places: Mapping[str, int]) -> dict[str, list[str
 _FEWEST_OF_SIDECAR = 2
 
 
-def is_sidecar(book: SourceTable, tables: Sequence[SourceTable]) -> bool:
-    """Return whether a JSON file says of the columns of another table what they are."""
-    others = (table for table in tables if table.file != book.file)
-    return any(_sidecar(book, dict.fromkeys(table.headings, 0)) for table in others)
+def is_codebook(book: SourceTable, tables: Sequence[SourceTable]) -> bool:
+    """Return whether a file says of the columns of another table what they, or numbers, are."""
+    for table in (table for table in tables if table.file != book.file):
+        if _sidecar(book, dict.fromkeys(table.headings, 0)):
+            return True
+        said = [(name, next(filter(is_number, row), "")) for name, row in _explained(book, table)]
+        if len({*said}) == len(said) >= _FEWEST:
+            return True
+    return False
 
 
 def _range(cell: str, places: Mapping[str, int]) -> list[int]:

@@ -50,6 +50,10 @@ class Conditions(FactDraft):
 
     def _condition(self) -> None:
         columns = self._roles.facts.get("condition", [])
+        if "timepoint" in self._answers.said:  # events of other names are conditions
+            events = [c for c in self._roles.facts["timepoint"] if few_texts(self._table, c)]
+            when = self._vocabulary.timepoint
+            columns += [c for c in events if not any(map(when, texts(self._table, c)))]
         if told := [c for c in columns if self._vocabulary.told(self.heading(c)) == "condition"]:
             self._told(told)
             return
@@ -116,6 +120,7 @@ class Conditions(FactDraft):
     def _several_conditions(self, columns: list[int]) -> None:
         names = ", ".join(repr(self.heading(c)) for c in columns)
         who = self._context.participant
+        columns = [c for c in columns if len(texts(self._table, c)) > 1] or columns
         columns = [c for c in columns if not self._is_count(c)] or columns
         columns = [c for c in columns if not self._lacks_rows(c)] or columns
         columns = [c for c in columns if not self._is_said_by(c, columns)]
@@ -230,7 +235,7 @@ class Conditions(FactDraft):
 
     def _is_count(self, column: int) -> bool:
         """Return whether a column counts from 1, as numbers of trials do."""
-        words = texts(self._table, column)
+        words = [self._table.meaning(column, word) for word in texts(self._table, column)]
         return {str(n) for n in range(1, 1 + len(words))} == {*words}
 
     def _cells(self, columns: Sequence[int]) -> list[tuple[str, ...]]:

@@ -154,9 +154,13 @@ class _Facts(People):
         for fact in ("session", "period", "block", "trial"):
             for column in list(facts[fact]):
                 words = texts(self._table, column)
-                if len({*words}) > 1 and all(map(timepoint, words)):
+                when = [*map(timepoint, words)]
+                if len({*words}) > 1 and all(when):
                     facts[fact].remove(column)
                     facts["timepoint"].append(column)
+                elif "baseline" in when and None in when and not any(map(_NUMBER.search, words)):
+                    facts[fact].remove(column)
+                    facts["condition"].append(column)
 
     def _sessions_under_timepoints(self) -> None:
         """Take texts such as ``session_1_arm_1`` for sessions, though they are called events."""
@@ -340,14 +344,14 @@ class _Facts(People):
 
         Where no column says before and after, they still tell the order of exposures.
         """
-        if not self._roles.facts["timepoint"]:
-            return False
-        people: dict[str, set[int]] = {}
+        people: dict[str, list[int]] = defaultdict(list)
         for row in self._table.rows:
             if self._context.participant is not None and row[column].isdecimal():
-                people.setdefault(row[self._context.participant], set()).add(int(row[column]))
-        gaps = sum(max(said) - min(said) >= len(said) for said in people.values())
-        return gaps * 2 > len(people)
+                people[row[self._context.participant]].append(int(row[column]))
+        gaps = sum(max(said) - min(said) >= len({*said}) for said in people.values())
+        if self._answers.row_keys:  # each answer has its own row
+            return bool(people) and all(len({*said}) == len(said) for said in people.values())
+        return bool(self._roles.facts["timepoint"]) and gaps * 2 > len(people)
 
     def _has_condition(self) -> bool:
         return "condition" in self._context.columns or self._condition_is_named()

@@ -26,6 +26,7 @@ def heading_facts(
         The fact that numbers are taken for that stand alone.
     """
     contexts = [tuple(_unglued(word, vocabulary) for word in each) for each in contexts]
+    contexts = _without_numbers(contexts, vocabulary)
     if len(contexts) == 1:
         return _of_one(contexts[0], vocabulary)
     lettered, letters = _lettered(contexts)
@@ -36,6 +37,11 @@ def heading_facts(
     telling = _telling(contexts, vocabulary)
     if any(set(context) <= shared for context in contexts) and max(map(len, contexts)) <= 4:
         shared = set()  # such as Blur and No Blur
+    # The baseline lacks words that all others share: nach Brille, nach Leinwand.
+    later = [{*c} for c in contexts if "baseline" not in map(vocabulary.timepoints.get, c)]
+    alike = set[str]().union(*later).intersection(*later)
+    if len(later) > 1 and all(c - alike for c in later):
+        shared |= alike
     facts: list[dict[str, str]] = []
     doubts: list[OpenDoubt] = []
     for context in contexts:
@@ -48,10 +54,30 @@ def heading_facts(
         facts.append(_facts(rest, vocabulary, telling))
     _numbered_times(facts, doubts)
     _later(facts, doubts)
+    _one_baseline(facts)
     _two_unnamed(facts, doubts)
     _first_before(facts, doubts)
     _name_the_rest(facts, doubts, numbers, contexts)
     return facts, doubts
+
+
+def _without_numbers(
+    contexts: Sequence[tuple[str, ...]], vocabulary: LabVocabulary
+) -> list[tuple[str, ...]]:
+    """Return words of headings without the numbers of blocks or loops that words tell apart, too.
+
+    Survey programs number the questions whose texts name conditions: ``2_Q7``, *Blur*.
+    """
+
+    def says(words: tuple[str, ...], place: int) -> bool:
+        beside = {*words[place + 1 : place + 2]} & _UNITS
+        return bool(beside or {*words[max(place - 1, 0) : place]} & vocabulary.numbered.keys())
+
+    bare = [
+        tuple(w for place, w in enumerate(c) if not w.isdecimal() or says(c, place))
+        for c in contexts
+    ]
+    return bare if len({*bare}) == len({*contexts}) else [*contexts]
 
 
 def _telling(contexts: Sequence[Sequence[str]], vocabulary: LabVocabulary) -> set[str]:
@@ -193,6 +219,14 @@ def _name_times(facts: Sequence[dict[str, str]], doubts: list[OpenDoubt]) -> Non
     doubts[-1] = OpenDoubt(doubts[-1].question, f"timepoints: {shown}", *TIMEPOINTS)
 
 
+def _one_baseline(facts: list[dict[str, str]]) -> None:
+    """Take other words of the only baseline for none of the conditions, which others say."""
+    first = [each for each in facts if each.get("timepoint") == "baseline"]
+    others = [each.get("condition") for each in facts if each not in first]
+    if len(first) == 1 < len(others) and not {None, first[0].get("condition")} & {*others}:
+        first[0].pop("condition", None)
+
+
 def _two_unnamed(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
     """Take two blocks of the same headings, the second marked with a number, for before, after."""
     bare = [f for f in facts if not f]
@@ -210,11 +244,17 @@ def _two_unnamed(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
 def _first_before(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
     """Take the first block, which says nothing, for before, where all others say after; and ask.
 
-    So is the last of two for after. Of two, other words are those of their questions.
+    So it is where several others say conditions. Likewise the last of two is after; of two, other
+    words are those of their questions.
     """
     first, *others = facts
     bare, when = facts[-1], "post"
-    if not first and all(each.get("timepoint", "baseline") != "baseline" for each in others):
+    later = all(each.get("timepoint", "baseline") != "baseline" for each in others)
+    named = [f["condition"] for f in others if {*f} == {"condition"}]
+    worded = len(others) == len({*named}) > 1 and not any(map(str.isdecimal, named))
+    if first == {"condition": "0"} and worded:
+        first.clear()
+    if not first and (later or worded):
         bare, when = first, "baseline"
     elif len(facts) != 2 or bare or first.get("timepoint") != "baseline":
         return
@@ -243,10 +283,7 @@ def _name_the_rest(
 ) -> None:
     """Ask for the meaning of numbers that stand alone; tell equal administrations apart."""
     numbers = [f for f in facts if f.get("condition", "").replace("_", "").isdecimal()]
-    if len({f.get("timepoint") for f in numbers} - {None}) == len(facts):
-        for each in numbers:
-            del each["condition"]  # the number of the moment, which words say, too
-    elif numbers:
+    if numbers:
         if any("timepoint" in f for f in numbers):
             fact = "condition"  # words say the moments
         shown = ", ".join(dict.fromkeys(f["condition"] for f in numbers))
@@ -262,7 +299,7 @@ def _name_the_rest(
         nameless = nameless and fact not in each
         if nameless or (not each and len(facts) > 1):
             said = "_".join(contexts[place - 1])  # words that else say nothing: VR
-            alone = said and sum(tuple(c) == tuple(contexts[place - 1]) for c in contexts) == 1
+            alone = said[1:] and sum(tuple(c) == tuple(contexts[place - 1]) for c in contexts) == 1
             each["condition"] = said if alone else f"questionnaire_{place}"
             question = f"Of which condition is questionnaire {place} of a row?"
             doubts.append(OpenDoubt(question, f"`{each['condition']}`", *CONDITIONS))

@@ -10,6 +10,7 @@ from functools import lru_cache
 from itertools import takewhile
 from typing import Literal, NamedTuple
 
+from vrcomfort.importing.suggest.codebooks import BESIDE, TITLE
 from vrcomfort.importing.suggest.stems import Stem
 from vrcomfort.importing.suggest.vocabulary import (
     FEWEST_OF_SENTENCE,
@@ -63,13 +64,16 @@ def named_item(
 def _named(
     heading: str, label: str, instrument: Instrument, vocabulary: LabVocabulary
 ) -> tuple[str, How, tuple[str, ...], tuple[str, ...]] | None:
+    if vocabulary.measures & {*tokens(heading)[-1:]}:
+        return None  # nausea.rt
     for how, _, find in NAMES:
         for text, other in ((heading, label), (label, heading)):
-            words = tokens(text)
+            title, _, asked = text.rpartition(TITLE + BESIDE)
+            words = tokens(asked)
             found = find(words, vocabulary, instrument)
             if found is not None:
                 start, end, item = found
-                more = tokens(other) if text is label else []
+                more = tokens(f"{other} {title}") if text is label else []
                 return item, how, (*more, *words[:start]), tuple(words[end:])
     return None
 

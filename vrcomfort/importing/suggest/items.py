@@ -73,6 +73,13 @@ class FoundAnswers(ABC):
         """Return the indices of the columns."""
 
 
+def without_name(words: Context, found: FoundAnswers) -> Context:
+    """Return words of headings without the instrument's acronym before a letter: ``SSQA``."""
+    names = [name for name in _acronyms(found.instrument.short) if len(name) > 2]
+    glued = {name + word[-1]: word[-1] for name in names for word in words}
+    return tuple(glued.get(word, word) for word in words)
+
+
 @dataclass(frozen=True)
 class Found(FoundAnswers):
     """Columns that are one questionnaire.
@@ -392,7 +399,12 @@ def _without_wording(
     kept.update(w for context in contexts for w in context if w in moments)
     shared = set.intersection(*({*context} for context in contexts)) if contexts else set()
     kept |= shared & written
+    denied = Counter(b for c in contexts for a, b in pairwise(c) if a in _NEGATIONS & kept)
+    kept |= {word for word, _ in denied.most_common(1)}  # NoBlur
     return [tuple(dict.fromkeys(w for w in context if w in kept)) for context in contexts]
+
+
+_NEGATIONS = frozenset(["no", "non", "without", "ohne", "kein", "keine", "sin", "sans"])
 
 
 def _placed(side: str, words: Sequence[str]) -> list[tuple[int, str]]:

@@ -113,8 +113,9 @@ class KeptRows:
 
     def _rows_below(self) -> None:
         """Take rows below the last participant out of the table: statistics stand there."""
-        first = range(min(FIRST_COLUMNS, len(self.table.headings)))
-        named = roles_of(self.table, first, self._vocabulary).facts.get("participant", [])
+        every = range(len(self.table.headings))
+        named = roles_of(self.table, every, self._vocabulary).facts.get("participant", [])
+        named = [c for c in named if any(self.table.column(c))]
         named = named or ([0] if self.table.reading.transpose else [])
         cells = self.table.column(named[0]) if named else []
         last = max((place for place, cell in enumerate(cells) if cell), default=-1)
@@ -122,7 +123,7 @@ class KeptRows:
             kept = self.table.rows[: last + 1]
             self.table = replace(self.table, rows=kept)
             self._left_out[named[0]].append("")
-        if named and (notes := notes_below(self.table, named[0])):
+        if named and named[0] < FIRST_COLUMNS and (notes := notes_below(self.table, named[0])):
             self.table = replace(self.table, rows=self.table.rows[: -len(notes)])
             self._left_out[named[0]] += notes
 

@@ -70,9 +70,10 @@ class Long(FoundAnswers):
 
 def find_long(table: SourceTable, columns: Sequence[int], known: Known) -> list[Long]:
     """Return the questionnaires of a long table; none where it is not one."""
-    found: list[Long] = []
+    kept: list[Long] = []
     naming = {each: _naming_columns(table, each) for each in known.instruments}
     for column in columns:
+        found: list[Long] = []
         words = texts(table, column)
         # Fewer items make no questionnaire; more texts are ids, longer ones interviews.
         fitting = 4 <= len(words) <= 200 and max(map(len, words)) <= _LONGEST_QUESTION
@@ -93,9 +94,12 @@ def find_long(table: SourceTable, columns: Sequence[int], known: Known) -> list[
                     found.append(long)
         if found and response is None and responses:
             return _for_each_column(table, _best_long(found)[0], responses)
-        if found:
-            return _best_long(found)
-    return []
+        # Each questionnaire may have columns of its own: pre.item, pre.response, post.item …
+        if found and found[0].response_column not in {each.response_column for each in kept}:
+            kept += _best_long(found)
+    if len({each.item_column for each in kept}) < 2:
+        return kept
+    return [replace(e, context=tuple(tokens(table.headings[e.item_column]))) for e in kept]
 
 
 def _answered_beside(
@@ -339,7 +343,9 @@ def response_column(table: SourceTable, item_column: int, vocabulary: LabVocabul
         # Without headings, answers are small numbers or words of severity: times and dates are not.
         named = [c for c in candidates if _are_few_and_short(texts(table, c))]
         named = named if len(named) == 1 else []
-    return named[0] if named else None
+    outer = table.headings[item_column].rpartition(".")[0]
+    beside = [c for c in named if table.headings[c].startswith(outer)]
+    return next(iter(beside or named), None)
 
 
 def _are_few_and_short(words: Sequence[str]) -> bool:

@@ -25,6 +25,7 @@ from vrcomfort.importing.suggest.answer_scales import (
     scale_of,
 )
 from vrcomfort.importing.suggest.block_conditions import numbered_conditions
+from vrcomfort.importing.suggest.codebooks import BESIDE, TITLE
 from vrcomfort.importing.suggest.crossed_words import crossed, differing
 from vrcomfort.importing.suggest.draft import OWN, OpenDoubt, TomlDraft
 from vrcomfort.importing.suggest.evidence import asks_name, is_numeric, texts, varies_within
@@ -425,24 +426,48 @@ class OwnQuestions:
 
     def _question(self, column: int) -> OwnQuestion:
         """Return what a column asks, without the words that tell administrations apart."""
-        heading, label = self._table.headings[column], self._table.labels[column]
-        bracket = _BRACKET.search(label) or _BRACKET.search(heading)
-        if bracket:
-            text = bracket[1]
-            heading = heading.replace(bracket[0], "")
-            around = f"{heading} {self._labels[column].stem}"
-        elif len(tokens(label)) > 1:
-            stem = self._labels[column] if _is_whole(self._labels[column]) else Stem("", label)
-            text, around = stem.rest, f"{heading} {stem.stem}"
-        elif _is_whole(self._headings[column]):
-            text, around = self._headings[column].rest, self._headings[column].stem
-            heading = ""
-        else:
+        parts = self._parts(column)
+        if parts is None:
             return self._short_question(column)
+        text, heading, around = parts
         words = tokens(_NUMBER_OF_ITEM.sub("", heading) + around[len(heading) :])
         context = tuple(w for n, w in enumerate(words) if self._tells(words, n))
         code = next((w for n, w in enumerate(words) if not self._tells(words, n)), "")
+        bare, told = self._told_in(text)
+        if len(self._wordings[bare]) > 1:
+            text, context = bare, (*context, *told)
         return self._made(column, text.strip(" -–:?.[]"), context, code if heading else "")
+
+    def _parts(self, column: int) -> tuple[str, str, str] | None:
+        """Return what a column asks, its heading, and the words around; None if that is all."""
+        heading, label = self._table.headings[column], self._table.labels[column]
+        bracket = _BRACKET.search(label) or _BRACKET.search(heading)
+        if bracket:
+            heading = heading.replace(bracket[0], "")
+            return bracket[1], heading, f"{heading} {self._labels[column].stem}"
+        if len(tokens(label)) > 1:
+            stem = self._labels[column] if _is_whole(self._labels[column]) else Stem("", label)
+            title, _, text = stem.rest.rpartition(TITLE + BESIDE)
+            return text, heading, f"{heading} {stem.stem} {title}"
+        if _is_whole(self._headings[column]):
+            return self._headings[column].rest, "", self._headings[column].stem
+        return None
+
+    def _told_in(self, text: str) -> tuple[str, Context]:
+        """Return a question without words of administrations, and these: ``[Blur] How sharp?``."""
+        words = words_of(text)
+        told = tuple(w.casefold() for w in words if w.casefold() in self._apart)
+        return " ".join(w for w in words if w.casefold() not in self._apart), told
+
+    @cached_property
+    def _wordings(self) -> dict[str, set[Context]]:
+        """Return question without words of administrations → these, wherever it is asked."""
+        found: dict[str, set[Context]] = defaultdict(set)
+        for column in (*self._scales, *self._left):
+            if parts := self._parts(column):
+                bare, told = self._told_in(parts[0])
+                found[bare].add(told)
+        return found
 
     def _short_question(self, column: int) -> OwnQuestion:
         """Return a question whose heading is all there is: words at its ends may be facts."""

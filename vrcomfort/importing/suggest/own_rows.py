@@ -53,7 +53,8 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
     names = {each.instrument_column[1] for each in found if each.instrument_column}
     for row in table.rows:
         group = "" if named is None else row[named]
-        if group not in names and row[item] and row[item] not in taken | {*groups[group]}:
+        again = any(row[item].startswith(text) for text in taken)  # nausea-quantised
+        if row[item] and not again and row[item] not in groups[group]:
             groups[group].append(row[item])
     made: set[str] = {*shipped_instruments(), *TAKEN}
     seven = are_of_seven((row[c] for row in table.rows for c in responses), known.vocabulary)
@@ -69,17 +70,19 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
             asks = crossed or not _asks_no_opinion(said.get(text, text), known.vocabulary)
             if scale is not None and asks:
                 scales[text] = scale
+        name = "" if group in names else group
         usual = {text for text, scale in scales.items() if scale.usual[:2] in USUAL}
-        sure = [t for t in scales if _is_asked(said.get(t, t), group, known.vocabulary)]
+        sure = [t for t in scales if _is_asked(said.get(t, t), name, known.vocabulary)]
         sure = sure or ([*scales] if crossed and usual == {*words} else [])
         if not sure:
             continue
-        scales = {t: s for t, s in scales.items() if t in sure or t in usual}
+        beside = usual if group not in names else ()
+        scales = {t: s for t, s in scales.items() if t in sure or t in beside}
         taken_names: set[str] = {*TAKEN}
         items = {name_of(text, taken_names): text for text in scales}
         scales = together(scales)
         questions = [(name, said.get(text, text), scales[text]) for name, text in items.items()]
-        instrument = declared(name_of(group or "own_questions", made), questions)
+        instrument = declared(name_of(name or "own_questions", made), questions)
         where = None if named is None else (named, group)
         hows: dict[str, How] = dict.fromkeys(items, "name")
         several = tuple(responses) if len(responses) > 1 else ()

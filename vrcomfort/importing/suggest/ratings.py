@@ -101,7 +101,8 @@ def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[F
             own = {plain(instrument.name), "score", "rating", *map(plain, instrument.title.split())}
             for column in named:
                 words = _words_of_rating(table.headings[column], instrument)
-                words = words if plain(instrument.name) in words else []
+                titled = _title_of(instrument) in plain(table.headings[column])
+                words = words if titled or plain(instrument.name) in words else []
                 rest = tuple(word for word in words if word not in own)
                 found.append(FoundRating(instrument, rest, column, time))
     return found or _numbered_columns(table, columns, known)
@@ -245,9 +246,12 @@ def _is_rating(table: SourceTable, column: int, instrument: Instrument) -> bool:
     words = _words_of_rating(table.headings[column], instrument)
     if instrument.short in words_of(table.labels[column]):
         words = [plain(instrument.name)]
-    keys = {plain(instrument.name), plain(instrument.title)}
-    named = plain(table.headings[column]) in keys or (
-        plain(instrument.name) in words and (len(words) <= 5 or JOIN in table.headings[column])
+    heading = table.headings[column]
+    short = instrument.short.isupper() and instrument.short in words_of(heading)
+    named = (
+        short
+        or _title_of(instrument) in plain(heading)
+        or (plain(instrument.name) in words and (len(words) <= 5 or JOIN in table.headings[column]))
     )
     if not named or _NO_ANSWERS & {*words}:
         return False
@@ -256,6 +260,11 @@ def _is_rating(table: SourceTable, column: int, instrument: Instrument) -> bool:
     inside = [v for v in values if v is not None and instrument.low <= v <= instrument.high]
     # Means of ratings stand under the scale's name, too, and most are no answers of it.
     return bool(inside) and sum(map(instrument.answers.has, inside)) * 10 >= len(inside) * 7
+
+
+def _title_of(instrument: Instrument) -> str:
+    """Return an instrument's title as headings have it: *Fast motion sickness (0-20)*."""
+    return plain(instrument.title.removesuffix("scale"))
 
 
 _NO_ANSWERS = frozenset(["complete", "rt"])

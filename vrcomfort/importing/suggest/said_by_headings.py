@@ -37,7 +37,7 @@ from vrcomfort.importing.suggest.draft import (
 from vrcomfort.importing.suggest.evidence import texts
 from vrcomfort.importing.suggest.heading_facts import heading_facts
 from vrcomfort.importing.suggest.heading_roles import PERSON_CODE, roles_of
-from vrcomfort.importing.suggest.items import Found, FoundAnswers
+from vrcomfort.importing.suggest.items import Found, FoundAnswers, without_name
 from vrcomfort.importing.suggest.kept_rows import KeptRows
 from vrcomfort.importing.suggest.leaving import find_leaving
 from vrcomfort.importing.suggest.own_instruments import TakenFor
@@ -302,7 +302,8 @@ class SaidByHeadings(KeptRows):
         if upper := self._upper_facts(found):
             return upper
         named = [
-            (e.instrument.name, without_levels(self.table, e, self._vocabulary)) for e in found
+            (e.instrument.name, without_name(without_levels(self.table, e, self._vocabulary), e))
+            for e in found
         ]
         if any(isinstance(each, FoundScores) and each.where for each in found):
             return [{} for _ in named]  # a heading of all of them
