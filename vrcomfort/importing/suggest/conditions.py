@@ -18,6 +18,7 @@ from vrcomfort.importing.suggest.evidence import (
     candidates,
     few_texts,
     is_numeric,
+    measures,
     texts,
     varies_within,
 )
@@ -315,7 +316,21 @@ class Conditions(FactDraft):
             return  # ratings of one exposure are many rows of one condition
         keys = [self._context.participant, *self._answers.row_keys]
         keys += [c for columns in self._context.columns.values() for c in columns]
+        again, repeated = self._again(keys)
         people = {*self._table.column(self._context.participant)}  # without rows left out
+        if repeated and self._told_apart(keys):
+            return
+        if again and (repeated or len(again) * 4 > len(people)):
+            self._count_exposures(again)
+        elif again:
+            told = next(iter(again.values()))[0]
+            question = f"Were rows of {', '.join([*again][:MOST_NAMED])} saved twice ({told})?"
+            self.doubt(question, "they were; equal answers are counted once", ORDER)
+
+    def _again(self, keys: Sequence[int]) -> tuple[dict[str, list[str]], bool]:
+        """Return the people with several rows of one key, and whether their answers differ."""
+        who = self._context.participant or 0
+        people = {*self._table.column(who)} - {""}
         seen: dict[tuple[str, ...], tuple[int, tuple[str, ...]]] = {}
         again: dict[str, list[str]] = {}
         repeated = False
@@ -325,21 +340,37 @@ class Conditions(FactDraft):
                 if not any(row[column] for column in self._answers.taken):
                     continue
                 key = (table.file.name, table.sheet, *(row[c] for c in dict.fromkeys(keys)))
-                who = row[self._context.participant]
-                if key in seen and who in people - {""}:
+                if key in seen and row[who] in people:
                     first, cells = seen[key]
                     same = [cells[c] for c in answers] == [row[c] for c in answers]
-                    again.setdefault(who, [])
+                    again.setdefault(row[who], [])
                     how = "is the same as" if cells == row else "has the answers of"
-                    again[who] += [f"row {number} {how} row {first}"] if same else []
+                    again[row[who]] += [f"row {number} {how} row {first}"] if same else []
                     repeated = repeated or not same
                 seen.setdefault(key, (number, row))
-        if again and (repeated or len(again) * 4 > len(people)):
-            self._count_exposures(again)
-        elif again:
-            told = next(iter(again.values()))[0]
-            question = f"Were rows of {', '.join([*again][:MOST_NAMED])} saved twice ({told})?"
-            self.doubt(question, "they were; equal answers are counted once", ORDER)
+        return again, repeated
+
+    def _told_apart(self, keys: Sequence[int]) -> bool:
+        """Take the words that tell rows of one condition apart for scenes, and ask."""
+        if "scene" in self._context.columns or self._answers.row_keys:
+            return False
+        table = self._table
+        open_ = [c for c in self._roles.unknown if c not in self._context.used]
+        open_ = [c for c in open_ if 1 < len(texts(table, c)) * 2 <= len(table.rows)]
+        open_ = [c for c in open_ if not is_numeric(table, c) and not measures(table, c)]
+        open_ = [c for c in open_ if not self._lacks_rows(c)]
+        for columns in (*combinations(open_, 1), *combinations(open_, 2)):
+            if not self._again([*keys, *columns])[0]:
+                self.use("scene", columns[0])
+                names = [self.heading(c) for c in columns]
+                if len(columns) > 1:
+                    self._context.used |= {*columns}
+                    self.found.draft.put("scene", {"columns": names})
+                shown = " and ".join(map(repr, names))
+                question = f"Are rows of one condition told apart by {shown}?"
+                self.doubt(question, "they are, as scenes, and no conditions", CONDITIONS)
+                return True
+        return False
 
     def _count_exposures(self, again: Mapping[str, Sequence[str]]) -> None:
         """Draft a count of exposures, and ask; `again`: participants with several → equal rows."""

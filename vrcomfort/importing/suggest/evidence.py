@@ -225,7 +225,7 @@ def _codes_of_people(context: Context, column: int) -> bool:
     words = texts(context.table, column)
     codes = all(re.fullmatch(r"[\w -]*\d[\w -]*", w) and len(w) <= LONGEST_CODE for w in words)
     personal = asks_name(context.table, column, context.vocabulary)
-    return column in context.roles.metadata and personal and len(words) > 1 and codes
+    return column in context.roles.metadata and personal and len(words) >= _FEWEST_NAMES and codes
 
 
 def _recurring_names(context: Context, column: int) -> bool:
