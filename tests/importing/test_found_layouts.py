@@ -43,7 +43,7 @@ def test_codes_before_the_same_numbers_are_conditions_where_a_column_has_their_o
     found = suggest_mapping([file])
     assert found.imported is not None
     assert {*found.imported.conditions} == {"Pn_P", "HMD"}
-    assert any("before the same numbers" in doubt for doubt in found.doubts)
+    assert any("in headings of the same questions" in doubt for doubt in found.doubts)
     assert answers(found.imported, "question_2")["P03", "HMD", "post"] == (2 + 5) % 8
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from pathlib import Path
 
@@ -102,3 +103,34 @@ def test_each_doubt_says_what_to_write_if_it_is_wrong(trials: Path) -> None:
     named = [s for s in vars(stakes).values() if isinstance(s, stakes.Stake)]
     assert len(named) > 20
     assert all(stake.instead for stake in named)
+
+
+def test_what_the_lab_says_of_words_in_headings_and_of_columns_wins(tmp_path: Path) -> None:
+    names = [f"{word}_{what}" for word in ("First", "Second") for what in ("HR", "Dig")]
+    rows: list[list[object]] = [["ID", *names]]
+    rows += [
+        [f"P{n}", 60 + 7 * n % 13, n * n % 17, 70 + 5 * n % 11, n**3 % 19] for n in range(1, 9)
+    ]
+    file = write(tmp_path / "runs.csv", rows)
+    drafted = suggest_mapping([file])
+    assert drafted.imported is not None
+    assert drafted.imported.conditions == ["First", "Second"]
+    assert "Do FIRST, SECOND in headings of the same questions say the condition?" in drafted.text
+    words = tmp_path / "words.toml"
+    words.write_text(f"[outcomes]\nlabels = {json.dumps(names)}\n")
+    again = suggest_mapping([file], vocabularies=[words])
+    assert again.imported is not None
+    assert again.imported.conditions == ["all"]
+
+
+def test_stimuli_that_the_lab_calls_conditions_are_no_scenes(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["participant", "video_id", "valence", "arousal"]]
+    rows += [
+        [f"P{n}", f"clip_{(n + k) % 20}", 1 + (n + k) % 7, 1 + n * k % 7]
+        for n in range(1, 13)
+        for k in range(8)
+    ]
+    words = tmp_path / "words.toml"
+    words.write_text('[facts]\ncondition.labels = ["video_id"]\n')
+    drafted = suggest_mapping([write(tmp_path / "clips.csv", rows)], vocabularies=[words])
+    assert 'condition = { column = "video_id" }' in drafted.text

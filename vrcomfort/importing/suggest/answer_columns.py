@@ -108,7 +108,7 @@ class AnswerColumns:
         self.products: list[int] = []
         """Those of answers times their weights."""
         self.codes: list[str] = []
-        """Codes of conditions before the numbers of the lab's own questions."""
+        """Words for conditions in the headings of the lab's own questions."""
         self.weights = comparisons(table, known)
         """Those of the weights alone, or of the comparisons that they come from."""
         self.taken.update(self.weights)
@@ -159,11 +159,12 @@ class AnswerColumns:
         ]
         contexts = [each.context for found in self._found.values() for each in found]
         found = OwnQuestions(table, columns, known, contexts, self._left)
-        self.codes = ["_".join(code).upper() for code in found.conditions]
         self._found[COURSES] += found.courses
         self._found[RATINGS] += found.rated
         self.taken.update(c for each in (*found.courses, *found.rated) for c in each.columns)
-        return [] if found.rated else own_instruments(found.questions)
+        own = [] if found.rated else own_instruments(found.questions)
+        self.codes = ["_".join(code).upper() for code in found.conditions]
+        return own
 
     def __getitem__(self, layout: Layout[FoundT]) -> list[FoundT]:
         return self._found[layout]

@@ -42,7 +42,7 @@ def _words(table: str, line: str = f"labels = {_HEADING}") -> str:
     return f"below [{table}] in words.toml: {line}"
 
 
-_OUTCOMES = _words("outcomes")
+WHOLE = _OUTCOMES = _words("outcomes")
 _NO_OUTCOMES = f"{_words('ignored')}; below [people], if they are facts of people"
 _ITEMS = 'below items: item = "the heading"'
 _CONDITION = _words("facts", f"condition.labels = {_HEADING}")

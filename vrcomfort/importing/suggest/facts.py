@@ -123,6 +123,7 @@ class _Facts(People):
         if facts["scene"] or "scene" in self._answers.said or not self._answers.answered:
             return
         columns = [*facts["condition"], *self._roles.unknown]
+        columns = [c for c in columns if not self._vocabulary.told(self.heading(c))]
         for column in [c for c in columns if self._tells_stimuli(c)][:1]:
             self._roles.forget(column)
             self.use("scene", column)

@@ -120,7 +120,7 @@ class OwnQuestions:
 
         self._scales |= {c: each.scale for c, each in left.items() if not each.measured}
         self.conditions = self._codes_of_conditions()
-        """Codes before the same numbers each, which are conditions: ``A_1`` … and ``B_1`` …"""
+        """Words that tell columns of the same questions apart, as conditions: ``A_1``, ``B_1``."""
         self._apart |= {word for code in self.conditions for word in code}
 
     def _codes_of_conditions(self) -> list[tuple[str, ...]]:
@@ -527,11 +527,17 @@ class OwnQuestions:
         there = [c for c in self._roles.facts.get("condition", ()) if texts(self._table, c)]
         said = there and not numbered_conditions(self._table, self._vocabulary)
         said = said or any(self._vocabulary.told(h) == "condition" for h in self._table.headings)
-        found = questions if said else crossed(questions, self._vocabulary)
+        told = [] if said else [q for q in questions if q.column in self._roles.outcomes]
+        free = [each for each in questions if each not in told]  # the lab says what others ask
+        found = questions if said else [*crossed(free, self._vocabulary), *told]
         groups: dict[Context, list[int]] = defaultdict(list)
         for each in found:
             groups[each.context].append(each.column)
-        return found if self._are_met_together(groups.values()) else questions
+        if not self._are_met_together(groups.values()):
+            return questions
+        known = {each.context for each in questions}
+        self.conditions += [context for context in groups if context not in known]
+        return found
 
 
 def _blank(words: Sequence[str], place: int) -> tuple[str, ...]:

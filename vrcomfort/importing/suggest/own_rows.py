@@ -138,7 +138,8 @@ def _columns_of_rows(
         named = first.instrument_column and first.instrument_column[0]
         return first.item_column, [*dict.fromkeys(each.response_column for each in found)], named
     labels = known.vocabulary.item_labels
-    items = [c for c, h in enumerate(table.headings) if plain(h) in labels]
+    told = known.vocabulary.told
+    items = [c for c, h in enumerate(table.headings) if plain(h) in labels and not told(h)]
     items = [c for c in items if 1 < len(texts(table, c)) <= len(table.rows) // FEWEST_ANSWERS]
     if not items:
         return None, [], None

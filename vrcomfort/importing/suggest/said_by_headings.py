@@ -32,6 +32,7 @@ from vrcomfort.importing.suggest.draft import (
     ORDER,
     PEOPLE,
     SAME_CONDITION,
+    WHOLE,
     OpenDoubt,
 )
 from vrcomfort.importing.suggest.evidence import texts
@@ -83,8 +84,8 @@ class SaidByHeadings(KeptRows):
         self._answers = AnswerColumns(self.table, known, left)
         self._keep_answered(self._answers)
         if codes := self._answers.codes:
-            question = f"Do {', '.join(codes)} before the same numbers each say the condition?"
-            self.doubts.append(OpenDoubt(question, "they do", *CONDITIONS))
+            question = f"Do {', '.join(codes)} in headings of the same questions say the condition?"
+            self.doubts.append(OpenDoubt(question, "they do", *CONDITIONS._replace(instead=WHOLE)))
         others = [c for c in range(len(self.table.headings)) if c not in self._answers.taken]
         self._leaving = find_leaving(self.table, others, known)
         times = self._leaving.columns if self._leaving else {}
