@@ -21,13 +21,7 @@ from vrcomfort.importing.columns import (
     nearly_named,
 )
 from vrcomfort.importing.files import as_table, read_grids
-from vrcomfort.importing.made_instruments import (
-    MOST,
-    ScoreInstrument,
-    name_of,
-    on_scale,
-    sum_up,
-)
+from vrcomfort.importing.made_instruments import MOST, ScoreInstrument, name_of, on_scale, sum_up
 from vrcomfort.importing.mapping import (
     LabMapping,
     Questionnaire,

@@ -14,13 +14,7 @@ from typing import Any
 from vrcomfort.csv_table import A_ROW, MOST_CELLS, require_few_columns
 from vrcomfort.errors import InputError
 from vrcomfort.files import MOST_TEXT_BYTES, open_file, read_bytes
-from vrcomfort.importing.source import (
-    Grid,
-    Reading,
-    cell_text,
-    one_line,
-    require_room,
-)
+from vrcomfort.importing.source import Grid, Reading, cell_text, one_line, require_room
 from vrcomfort.json_text import parse_json, require_few_values
 
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "vertical bars"}

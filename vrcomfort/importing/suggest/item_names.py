@@ -12,12 +12,7 @@ from typing import Literal, NamedTuple
 
 from vrcomfort.importing.suggest.codebooks import BESIDE, TITLE
 from vrcomfort.importing.suggest.stems import Stem
-from vrcomfort.importing.suggest.vocabulary import (
-    FEWEST_OF_SENTENCE,
-    LabVocabulary,
-    bare,
-    tokens,
-)
+from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, LabVocabulary, bare, tokens
 from vrcomfort.questionnaire import Instrument, plain
 
 How = Literal[

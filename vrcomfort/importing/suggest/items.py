@@ -14,11 +14,7 @@ from vrcomfort.importing.source import Grid, SourceTable
 from vrcomfort.importing.suggest.evidence import is_identifier
 from vrcomfort.importing.suggest.item_names import WEIGHTS, Named, item_behind_stem
 from vrcomfort.importing.suggest.stems import shared_stems
-from vrcomfort.importing.suggest.vocabulary import (
-    Known,
-    LabVocabulary,
-    tokens,
-)
+from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
 
 

@@ -18,12 +18,7 @@ from vrcomfort.importing.suggest.items import (
     mentions,
     named_by_file,
 )
-from vrcomfort.importing.suggest.vocabulary import (
-    FEWEST_OF_SENTENCE,
-    Known,
-    LabVocabulary,
-    tokens,
-)
+from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
 
 

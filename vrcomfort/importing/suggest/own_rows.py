@@ -27,12 +27,7 @@ from vrcomfort.importing.suggest.own_instruments import (
 )
 from vrcomfort.importing.suggest.own_questions import ask_about
 from vrcomfort.importing.suggest.questionnaires import Drafted, places_of_rows
-from vrcomfort.importing.suggest.vocabulary import (
-    FEWEST_OF_SENTENCE,
-    Known,
-    LabVocabulary,
-    tokens,
-)
+from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
 

@@ -10,12 +10,7 @@ from dataclasses import replace
 from vrcomfort.importing.suggest.draft import PEOPLE
 from vrcomfort.importing.suggest.evidence import RECURRING_NAMES, candidates, texts, varies_within
 from vrcomfort.importing.suggest.fact_draft import FactDraft
-from vrcomfort.importing.suggest.shared_codes import (
-    are_others,
-    constants_of,
-    place_of,
-    with_places,
-)
+from vrcomfort.importing.suggest.shared_codes import are_others, constants_of, place_of, with_places
 
 
 def _are_even(cells: Sequence[str]) -> bool:

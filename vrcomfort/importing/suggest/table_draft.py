@@ -19,9 +19,7 @@ from vrcomfort.importing.suggest.answer_columns import (
     RATINGS,
     SCORES,
 )
-from vrcomfort.importing.suggest.block_conditions import (
-    before_exposures,
-)
+from vrcomfort.importing.suggest.block_conditions import before_exposures
 from vrcomfort.importing.suggest.draft import (
     LEFT,
     LOST,
@@ -49,15 +47,9 @@ from vrcomfort.importing.suggest.items import FoundAnswers
 from vrcomfort.importing.suggest.left_over import ask_to_leave_out, left_over
 from vrcomfort.importing.suggest.own_instruments import TakenFor
 from vrcomfort.importing.suggest.own_questions import ask_about
-from vrcomfort.importing.suggest.questionnaires import (
-    leftovers,
-    sum_of,
-)
+from vrcomfort.importing.suggest.questionnaires import leftovers, sum_of
 from vrcomfort.importing.suggest.said_by_headings import OF_WHAT_WAS_USED, SaidByHeadings
-from vrcomfort.importing.suggest.scores import (
-    FoundScores,
-    by_kind,
-)
+from vrcomfort.importing.suggest.scores import FoundScores, by_kind
 from vrcomfort.importing.suggest.vocabulary import Known, covariate_name, free_name, tokens
 from vrcomfort.questionnaire import Instrument, plain
 

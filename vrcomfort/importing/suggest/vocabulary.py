@@ -18,14 +18,7 @@ from pydantic import Field
 from vrcomfort.files import read_text
 from vrcomfort.questionnaire import Instrument, plain
 from vrcomfort.resources import data_folder
-from vrcomfort.settings import (
-    KeyPath,
-    Problem,
-    Settings,
-    Word,
-    first_problem,
-    parse_settings,
-)
+from vrcomfort.settings import KeyPath, Problem, Settings, Word, first_problem, parse_settings
 
 FOLDER = "vocabulary"
 """The folder of the shipped files, inside that of the instruments."""
