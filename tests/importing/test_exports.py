@@ -394,3 +394,51 @@ def the_round_before_all_others_under_a_question_for_rounds(
             truth[f"P{n}", *where] = given = answers(draw)
             rows.append(["01.03.2024 10:00:12", f"P{n}", name, *(GERMAN_WORDS[a] for a in given)])
     return [write(folder / "Antworten.csv", rows)], truth
+
+
+def test_statements_without_a_wording_of_ours_are_known_by_their_words(tmp_path: Path) -> None:
+    texts = [
+        "I had a sense of being there, in a computer generated place",
+        "It surrounded me: a virtual world",
+    ]
+    texts += ["I was just perceiving pictures", "I did not feel present there"]
+    texts += [
+        "Acting in it, rather than operating something",
+        "I felt present in this virtual space",
+    ]
+    rows: list[Sequence[object]] = [["PID", "Cond", *(f"Q{n}" for n in range(len(texts)))]]
+    rows += [["PID", "Cond", *texts], [f'{{"ImportId":"QID{n}"}}' for n in range(2 + len(texts))]]
+    rows += [
+        [f"P{n}", "ab"[k], *((n * m + k) % 7 for m in range(len(texts)))]
+        for n in range(9)
+        for k in (0, 1)
+    ]
+    imported = suggest_mapping([write(tmp_path / "presence.csv", rows)]).imported
+    assert imported is not None
+    given = next(
+        r for (name, m), r in imported.responses.items() if name == "ipq" and m.participant == "P3"
+    )
+    assert given.answers["ipq_g1"] == 0
+    assert given.answers["ipq_sp5"] == 1
+
+
+def test_times_and_orders_that_survey_programs_write_are_no_measurements(tmp_path: Path) -> None:
+    times = [
+        "SSQTime",
+        "groupTime31",
+        "Q3_Page Submit",
+        "TIME001",
+        "FL_12_DO_Blur",
+        "trial.started",
+    ]
+    rows: list[Sequence[object]] = [
+        ["id", "cond", *(f"SSQ[SQ{n:03}]" for n in range(1, 17)), *times]
+    ]
+    draw = random.Random(5)  # noqa: S311
+    for n in range(1, 11):
+        for condition in ("low", "high"):
+            rows.append([n, condition, *answers(draw), *(draw.randint(10, 99) for _ in times)])
+    imported = suggest_mapping([write(tmp_path / "results.csv", rows)]).imported
+    assert imported is not None
+    assert {name for name, _ in imported.responses} == {"ssq"}
+    assert all(not facts for facts in imported.participants.values())

@@ -64,17 +64,20 @@ def heading_facts(
 def _without_numbers(
     contexts: Sequence[tuple[str, ...]], vocabulary: LabVocabulary
 ) -> list[tuple[str, ...]]:
-    """Return words of headings without the numbers of blocks or loops that words tell apart, too.
+    """Return words of headings without numbers and letters of blocks that words tell apart, too.
 
     Survey programs number the questions whose texts name conditions: ``2_Q7``, *Blur*.
     """
 
     def says(words: tuple[str, ...], place: int) -> bool:
         beside = {*words[place + 1 : place + 2]} & _UNITS
-        return bool(beside or {*words[max(place - 1, 0) : place]} & vocabulary.numbered.keys())
+        before = [word for word in words[max(place - 1, 0) : place] if len(word) > 1]
+        return bool(beside or {*before} & vocabulary.numbered.keys())
 
     bare = [
-        tuple(w for place, w in enumerate(c) if not w.isdecimal() or says(c, place))
+        tuple(w for n, w in enumerate(c) if not (w.isdecimal() or len(w) == 1) or says(c, n))
+        if any(map(str.isdecimal, c))
+        else c
         for c in contexts
     ]
     return bare if len({*bare}) == len({*contexts}) else [*contexts]

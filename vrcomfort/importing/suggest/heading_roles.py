@@ -152,8 +152,13 @@ def _row_number(text: str, _: LabVocabulary) -> list[str]:
     return [IGNORED] if _ROW_NUMBER.fullmatch(text) else []
 
 
-_ROW_NUMBER = re.compile(r"(?i)unnamed: ?\d+|row ?(names?|no|number|id)?|zeile|x\.?1|index")
-"""What pandas and R call the numbers of rows, and columns without a name."""
+_ROW_NUMBER = re.compile(
+    r"(?i)unnamed: ?\d+|row ?(names?|no|number|id)?|zeile|x\.?1|index|(group|gruppen|page)time ?\d+"
+    r"|time\d{3}|rts ?\d+|.*[_ ]((first|last) click|page submit|click count)|\S+_DO(_.+)?"
+    r"|(gesamtzeit|total time)|((gruppen|fragen)zeit|(group|question) time):.*"
+    r"|.+\.(started|stopped|this(Rep|Trial)?N|thisIndex)"
+)
+"""What pandas and R call rows, and columns without a name; times and orders of survey programs."""
 HEADINGS: tuple[HeadingEvidence, ...] = (
     HeadingEvidence("a label of the lab's own vocabulary", 110, _own_label),
     HeadingEvidence("words for an order and for conditions", 105, _order_of_conditions),
@@ -193,6 +198,7 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
     roles = Roles()
     weighed: dict[str, list[tuple[int, int]]] = defaultdict(list)
     merged = Counter(heading.rpartition(JOIN)[0] for heading in table.headings)
+    times = {f"{heading.partition('[')[0]}Time" for heading in table.headings}  # of answers
     for column in columns:
         outer, _, inner = table.headings[column].rpartition(JOIN)
         label = table.labels[column]
@@ -202,6 +208,7 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
         without = _REMARK.sub("", table.headings[column])  # Session (of this participant)
         said = (*said, without, table.headings[column], label, *label.split(" | "))
         role, weight = _heaviest(said, vocabulary)
+        role = IGNORED if table.headings[column] in times else role
         if table.nested and _heaviest(said[:1], vocabulary)[0]:
             weight += _OWN_NAME
         if outer and merged[outer] > 1 and role not in {*FACTS, IGNORED}:
