@@ -162,9 +162,9 @@ class AnswerColumns:
         self._found[COURSES] += found.courses
         self._found[RATINGS] += found.rated
         self.taken.update(c for each in (*found.courses, *found.rated) for c in each.columns)
-        own = [] if found.rated else own_instruments(found.questions)
+        questions = [] if found.rated else own_instruments(found.questions)
         self.codes = ["_".join(code).upper() for code in found.conditions]
-        return own
+        return questions
 
     def __getitem__(self, layout: Layout[FoundT]) -> list[FoundT]:
         return self._found[layout]

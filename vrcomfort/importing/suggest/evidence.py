@@ -412,15 +412,6 @@ def _words_without_people(context: Context, column: int) -> bool:
     return not numbers and few_texts(context.table, column)
 
 
-def _words_under_label(context: Context, column: int) -> bool:
-    """Return whether a column has few words under a heading that has a word for conditions."""
-    words = {*tokens(context.table.headings[column])}
-    labels = {key for key, role in context.vocabulary.roles.items() if role == "condition"}
-    open_ = column in context.roles.unknown and column not in context.used
-    few = few_texts(context.table, column) and not is_numeric(context.table, column)
-    return open_ and few and bool(words & labels) and not measures(context.table, column)
-
-
 def _groups_people(context: Context, column: int) -> bool:
     return column == context.covariates.get("group", context.covariates.get("sequence"))
 
@@ -566,10 +557,6 @@ CELLS: tuple[CellEvidence, ...] = (
         "Is {heading!r} the condition?", "it is",
     ),
     COUNTS_EXPOSURES,
-    CellEvidence(
-        "condition", "few words under a heading with a word for conditions", 15,
-        _words_under_label, "Is {heading!r} the condition, between participants?", "it is",
-    ),
     GROUPS_PEOPLE,
     CellEvidence(
         "condition", "a few words, each of as many participants", 8, _balanced_groups,

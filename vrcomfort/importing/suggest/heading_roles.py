@@ -221,7 +221,6 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
             roles.metadata.append(column)
         else:
             weighed[role].append((-weight, column))
-    _asked_of_each(table, weighed, roles)
     for role, found in weighed.items():
         ordered = [column for _, column in sorted(found)]
         if role == "participant":  # "stopped by the participant?"
@@ -235,22 +234,6 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
             roles.covariates |= dict.fromkeys([role][:taken], ordered[0])
             roles.unknown = sorted([*roles.unknown, *ordered[taken:]])
     return roles
-
-
-def _asked_of_each(
-    table: SourceTable, weighed: dict[str, list[tuple[int, int]]], roles: Roles
-) -> None:
-    """Take what is asked of each condition for no condition: ``Cond1 effort`` beside ``Cond1``."""
-    names = [table.headings[column] for _, column in weighed.get("condition", ())]
-    asked = [
-        (weight, column)
-        for weight, column in weighed.get("condition", ())
-        if any(table.headings[column].startswith(n) and n != table.headings[column] for n in names)
-    ]
-    for each in asked:
-        weighed["condition"].remove(each)
-        roles.unknown.append(each[1])
-    roles.unknown.sort()
 
 
 _MOST_ORDERS = 2

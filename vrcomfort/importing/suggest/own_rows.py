@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from vrcomfort.importing.source import SourceTable
@@ -14,7 +14,7 @@ from vrcomfort.importing.suggest.answer_scales import (
     scale_of,
 )
 from vrcomfort.importing.suggest.draft import TomlDraft
-from vrcomfort.importing.suggest.evidence import texts
+from vrcomfort.importing.suggest.evidence import is_balanced, texts
 from vrcomfort.importing.suggest.heading_roles import Roles
 from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.long_tables import Long, response_column, response_columns
@@ -53,7 +53,8 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
             groups[group].append(row[item])
     made: set[str] = {*shipped_instruments(), *TAKEN}
     seven = are_of_seven((row[c] for row in table.rows for c in responses), known.vocabulary)
-    crossed = len(responses) > 1 and _is_crossed(table, item, responses)
+    others = (c for c in range(len(table.headings)) if c not in {item, *responses})
+    crossed = len(responses) > 1 and any(is_balanced(table, item, c) for c in others)
     own = []
     for group, words in groups.items():
         rows = [row for row in table.rows if named is None or row[named] == group]
@@ -85,14 +86,6 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
             context = tuple(tokens(table.headings[column])) if several else ()
             own.append(Long(instrument, context, item, column, items, hows, [], where, several))
     return own
-
-
-def _is_crossed(table: SourceTable, item: int, responses: Collection[int]) -> bool:
-    """Return whether everybody has a row for each item."""
-    pairs = ((c, {(row[c], row[item]) for row in table.rows}) for c in range(len(table.headings)))
-    sizes = ((len(texts(table, c)), len(each)) for c, each in pairs if c not in {item, *responses})
-    rows = len(table.rows)
-    return any(n > 1 and n * len(texts(table, item)) == each == rows for n, each in sizes)
 
 
 def _asks_no_opinion(text: str, vocabulary: LabVocabulary) -> bool:
