@@ -322,7 +322,8 @@ def test_rows_of_several_files_without_codes_are_other_people(tmp_path: Path) ->
     sites = asked(6, "Le texte était clair.", "Je trouve ce site utile.", "Je me sens à l'aise.")
     needs = asked(8, "Les capacités du site correspondent à mes besoins", "Le site est facile")
     files = [write(tmp_path / "deep.csv", sites), write(tmp_path / "umux.csv", needs)]
-    imported, _ = suggested_import(files, tmp_path)
+    imported, text = suggested_import(files, tmp_path)
+    assert "Are rows of deep.csv, umux.csv of other people each" in text
     assert len(imported.participants) == 14
     assert sum(len(each.answers) for each in imported.responses.values()) == 6 * 3 + 8 * 2
 

@@ -78,6 +78,10 @@ def _count_apart(drafts: Sequence[TableDraft]) -> None:
     if len({len(table.rows) for draft in counted for table in draft.tables}) > 1:
         for draft in counted:
             draft.draft.put("participant", {**COUNTED, "apart": True})
+        files = ", ".join(name for draft in counted for name in draft.files)
+        question = f"Are rows of {files} of other people each, as their numbers differ?"
+        stake = PEOPLE._replace(instead="in each table: participant = { count = true }")
+        counted[0].doubts.append(OpenDoubt(question, "they are", *stake))
 
 
 COUNTED = {"count": True}
