@@ -566,3 +566,16 @@ def test_what_was_measured_in_a_file_called_tlx_is_no_task_load(tmp_path: Path) 
     found = suggested_for(tmp_path / "tlx_results.csv", [heading, *rows])
     assert found.imported is not None
     assert {name for name, _ in found.imported.responses} == {"own_measures"}
+
+
+def test_a_row_of_data_below_a_heading_without_a_name_for_rows_is_no_heading(
+    tmp_path: Path,
+) -> None:
+    rows: list[Row] = [["", "Participant", "Glasses", "Condition", "Comfort", *"XYZ"]]
+    rows += [
+        [str(2 * n + k - 1), f"P{n}", "No", c, 1 + (n + k) % 7, *["NA" if n == 1 else n / 7] * 3]
+        for n in range(1, 7)
+        for k, c in enumerate(("NA", "Yes"))
+    ]
+    found = suggest_mapping([table(tmp_path / "averages.csv", rows)])
+    assert "heading_rows = [1]" in found.text

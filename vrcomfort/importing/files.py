@@ -425,7 +425,8 @@ def _is_upper_heading(rows: Sequence[Sequence[str]]) -> bool:
         return False
     upper, lower = rows[0], rows[1]
     texts = [cell for cell in upper if cell]
-    spans = _filled(upper) < _filled(lower) or len(set(texts)) < len(texts)
+    # Names of rows in front have no heading, and span nothing.
+    spans = _filled(upper[1:]) < _filled(lower[1:]) or len(set(texts)) < len(texts)
     words = [cell for cell in lower if cell]
     no_data = sum(map(is_number, words)) * 2 < len(words) or _counts_up(words)
     repeats = len(set(words)) < len(words)
