@@ -357,19 +357,13 @@ class Conditions(FactDraft):
         table = self._table
         open_ = [c for c in self._roles.unknown if c not in self._context.used]
         open_ = [c for c in open_ if 1 < len(texts(table, c)) * 2 <= len(table.rows)]
-        open_ = [c for c in open_ if not is_numeric(table, c) and not measures(table, c)]
-        open_ = [c for c in open_ if not self._lacks_rows(c)]
-        for columns in (*combinations(open_, 1), *combinations(open_, 2)):
-            if not self._again([*keys, *columns])[0]:
-                self.use("scene", columns[0])
-                names = [self.heading(c) for c in columns]
-                if len(columns) > 1:
-                    self._context.used |= {*columns}
-                    self.found.draft.put("scene", {"columns": names})
-                shown = " and ".join(map(repr, names))
-                question = f"Are rows of one condition told apart by {shown}?"
-                self.doubt(question, "they are, as scenes, and no conditions", CONDITIONS)
-                return True
+        open_ = [c for c in open_ if not is_numeric(table, c) and not self._lacks_rows(c)]
+        open_ = [c for c in open_ if not measures(table, c)]
+        for column in (c for c in open_ if not self._again([*keys, c])[0]):
+            self.use("scene", column)
+            question = f"Are rows of one condition told apart by {self.heading(column)!r}?"
+            self.doubt(question, "they are, as scenes, and no conditions", CONDITIONS)
+            return True
         return False
 
     def _count_exposures(self, again: Mapping[str, Sequence[str]]) -> None:
