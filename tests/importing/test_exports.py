@@ -272,10 +272,19 @@ def test_an_instrument_that_a_file_names_and_has_no_answers_to_is_asked_about(
 def loops_whose_texts_name_the_conditions_and_a_baseline_before_them(
     folder: Path, draw: random.Random
 ) -> Made:
+    return loops(folder, draw, {"Blur": "Blur", "NoBlur": "No_Blur"})
+
+
+@layout
+def loops_whose_conditions_are_numbers(folder: Path, draw: random.Random) -> Made:
+    return loops(folder, draw, {"60 Hz": "60", "90 Hz": "90"})
+
+
+def loops(folder: Path, draw: random.Random, names: Mapping[str, str]) -> Made:
     truth: Truth = {}
     ask = "How much is each symptom affecting you right now?"
     heads = [(f"Q5_{n}", f"{ask} - {text}") for n, text in enumerate(ENGLISH, start=1)]
-    for loop, name in enumerate(("Blur", "NoBlur"), start=1):
+    for loop, name in enumerate(names, start=1):
         texts = enumerate(ENGLISH, start=1)
         heads += [(f"{loop}_Q7_{n}", f"[{name}] {ask} - {text}") for n, text in texts]
     rows: list[Sequence[object]] = [
@@ -286,8 +295,8 @@ def loops_whose_texts_name_the_conditions_and_a_baseline_before_them(
     for n in range(1, 11):
         given = [answers(draw) for _ in range(3)]
         truth[f"P{n}", "", "baseline"] = given[0]
-        truth[f"P{n}", "Blur", "post"] = given[1]
-        truth[f"P{n}", "No_Blur", "post"] = given[2]
+        for name, each in zip(names.values(), given[1:], strict=True):
+            truth[f"P{n}", name, "post"] = each
         rows.append([f"R_{n}x", f"P{n}", *(WORDS[a] for each in given for a in each)])
     return [write(folder / "loops.csv", rows)], truth
 

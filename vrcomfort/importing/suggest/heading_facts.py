@@ -38,7 +38,8 @@ def heading_facts(
     if any(set(context) <= shared for context in contexts) and max(map(len, contexts)) <= 4:
         shared = set()  # such as Blur and No Blur
     # The baseline lacks words that all others share: nach Brille, nach Leinwand.
-    later = [{*c} for c in contexts if "baseline" not in map(vocabulary.timepoints.get, c)]
+    said = [c for c in contexts if {*c} - vocabulary.condition_fillers]
+    later = [{*c} for c in said if "baseline" not in map(vocabulary.timepoints.get, c)]
     alike = set[str]().union(*later).intersection(*later)
     if len(later) > 1 and all(c - alike for c in later):
         shared |= alike
@@ -80,6 +81,10 @@ def _without_numbers(
         else c
         for c in contexts
     ]
+    # Loops are counted: 1_Q7 of 60 Hz, 2_Q7 of 90 Hz.
+    led = {c[0] for c in contexts if c and c[0].isdecimal()}
+    if len({*bare}) < len({*contexts}) and led == {str(n + 1) for n in range(len(led))}:
+        bare = [c[1:] if {*c[:1]} & led else c for c in contexts]
     return bare if len({*bare}) == len({*contexts}) else [*contexts]
 
 
@@ -254,7 +259,9 @@ def _first_before(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
     bare, when = facts[-1], "post"
     later = all(each.get("timepoint", "baseline") != "baseline" for each in others)
     named = [f["condition"] for f in others if {*f} == {"condition"}]
-    worded = len(others) == len({*named}) > 1 and not any(map(str.isdecimal, named))
+    worded = len(others) == len({*named}) > 1 and not any(
+        n.isdecimal() and len(n) < _CODE for n in named
+    )
     if first == {"condition": "0"} and worded:
         first.clear()
     if not first and (later or worded):

@@ -160,15 +160,6 @@ class KeptRows:
         if rows:
             self.table = replace(self.table, rows=rows)
 
-    def _keep_peoples(self, named: Sequence[int]) -> None:
-        """Take rows without a participant out of the table: means often stand in them."""
-        if not named or all(self.table.column(named[0])):
-            return
-        rows = tuple(row for row in self.table.rows if row[named[0]])
-        if rows:
-            self.table = replace(self.table, rows=rows)
-            self._left_out[named[0]].append("")
-
     def _without_missing(self, answers: Set[int]) -> SourceTable:
         """Return the table with blanks for words such as n/a in the columns beside the answers."""
         for column in {*range(len(self.table.headings))} - answers:

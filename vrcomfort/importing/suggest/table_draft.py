@@ -105,7 +105,6 @@ class TableDraft(SaidByHeadings):
         for column in self._trial_runs:
             if column not in self._roles.facts.get("participant", ()):
                 self._roles.forget(column)
-        self._keep_peoples(self._roles.facts.get("participant", []) if self._answers else [])
         self._whole = self.table
         """The table with rows of other questions, where each has a row."""
         self._keep_items(self._answers[LONG])
