@@ -38,8 +38,8 @@ def heading_facts(
     if any(set(context) <= shared for context in contexts) and max(map(len, contexts)) <= 4:
         shared = set()  # such as Blur and No Blur
     # The baseline lacks words that all others share: nach Brille, nach Leinwand.
-    said = [c for c in contexts if {*c} - vocabulary.condition_fillers]
-    later = [{*c} for c in said if "baseline" not in map(vocabulary.timepoints.get, c)]
+    worded = [c for c in contexts if {*c} - vocabulary.condition_fillers]
+    later = [{*c} for c in worded if "baseline" not in map(vocabulary.timepoints.get, c)]
     alike = set[str]().union(*later).intersection(*later)
     if len(later) > 1 and all(c - alike for c in later):
         shared |= alike
