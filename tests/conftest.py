@@ -7,8 +7,8 @@ import ctypes
 import gc
 import os
 
-# Read when numpy, FLIP and Mesa are loaded: threads of two workers would wait for each other.
-for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+# Read when numpy, FLIP and Mesa are loaded: threads of several workers would wait for each other.
+for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "LP_NUM_THREADS"):
     os.environ.setdefault(_threads, "1")
 
 # ruff: noqa: E402

@@ -406,6 +406,7 @@ def test_views_are_arrays_and_show_themselves(tmp_path, monkeypatch):
         vrcomfort.render_views("temple", pose=(0, 1.6))
 
 
+@pytest.mark.slow
 def test_a_moment_of_a_trace_has_its_hands_and_what_moves(tmp_path):
     """Paddles that go with the head: false velocities under one condition of the study of hands."""
     walk = data_folder("scenes") / "depths_walk.csv"

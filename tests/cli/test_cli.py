@@ -224,6 +224,7 @@ def test_passes_is_readable_and_needs_no_opengl(run: Run, monkeypatch: pytest.Mo
     assert "nothing is out of focus without depth of field" in words
 
 
+@pytest.mark.slow
 def test_the_old_name_of_passes_still_works_and_tells_the_new_one(run: Run) -> None:
     asked = ("smoke", "--size", "16x16", "--no-draw", "--json")
     _, now, silent = run("passes", *asked)

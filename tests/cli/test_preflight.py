@@ -53,6 +53,7 @@ def outcomes(name: str, about: Preflight) -> list[str]:
     return [finding.outcome for finding in FIND[name](about)]
 
 
+@pytest.mark.slow
 def test_what_is_found_is_shown_and_written(run: Run, tmp_path: Path) -> None:
     code, out, err = run("preflight", "smoke", "--out", tmp_path / "S", *QUICK)
     assert code == 0, err

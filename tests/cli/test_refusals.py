@@ -152,6 +152,7 @@ def test_every_command_is_refused_here() -> None:
     assert {line.split()[0] for line in CASES} == set(COMMANDS)
 
 
+@pytest.mark.slow
 def test_a_report_is_not_written_over_that_of_another_study(desk, run: Run) -> None:
     """Until that is asked for; one of the same study is replaced."""
     code, _, err = run("simulate", "smoke", "-n", "2", "--no-draw", "--out", "first")

@@ -38,15 +38,8 @@ def cases(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="sessions are run in forks of this process")
-@pytest.mark.parametrize(
-    "seed",
-    [  # other signals take the way of SIGINT, and a full disk has tests in records
-        pytest.param(
-            seed, marks=[pytest.mark.slow] * (fate not in {"SIGINT", "SIGKILL", "power cut"})
-        )
-        for seed, fate in enumerate(resumed.FATES if hasattr(os, "fork") else ())
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(len(resumed.FATES)) if hasattr(os, "fork") else ())
 def test_a_session_that_went_on_is_whole_and_can_be_handed_on(cases: Path, seed: int) -> None:
     fate = resumed.FATES[seed % len(resumed.FATES)]
     found = resumed.judge(cases, seed, fate)

@@ -44,6 +44,7 @@ SLOW = {
     "gaze_and_head.md",
     "gaze_validation.md",
     "import.md",
+    "instruments.md",
     "plans.md",
     "power.md",
     "preflight.md",

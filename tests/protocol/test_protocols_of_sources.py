@@ -131,6 +131,7 @@ def test_carnegie_as_printed_asks_for_eyes_closed_and_lets_people_come_back():
     assert [len(form.items) for form in forms] == [18, 18, 18]
 
 
+@pytest.mark.slow
 def test_volunteers_are_excluded_and_who_withdrew_comes_back(tmp_path, run):
     """As 14 of 34 were, and three of the six who withdrew."""
     code, _, err = run(

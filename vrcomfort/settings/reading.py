@@ -75,6 +75,8 @@ def wrong_unit(key: str, known: Iterable[str]) -> str | None:
     """Say which unit is wanted where `key` is a known key with another unit or without one."""
     stem, unit = _split_unit(key)
     for name in known:
+        if not name.startswith(stem):
+            continue
         wanted_stem, wanted = _split_unit(name)
         if wanted and wanted != unit and wanted_stem == stem:
             given = f"in {_UNITS[unit]}" if unit else "without a unit"

@@ -10,6 +10,7 @@ import unicodedata
 from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence, Set
 from functools import cache, lru_cache
+from itertools import chain, count
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -493,7 +494,8 @@ def covariate_name(heading: str) -> str:
 
 def free_name(name: str, taken: Container[str]) -> str:
     """Return a name, with a number where others have it."""
-    return next(n for n in (name, *(f"{name}_{k}" for k in range(2, 10_000))) if n not in taken)
+    numbered = (f"{name}_{number}" for number in count(2))
+    return next(each for each in chain((name,), numbered) if each not in taken)
 
 
 @cache
