@@ -1,11 +1,11 @@
 #version 450 core
-// All texels in each texel's disc and, where discs from farther away reach it, those in theirs.
+// All texels in each texel's disc and, where discs from farther away reach it, those in theirs. Drawn where depth
+// discontinuities are within reach; elsewhere half_mean.frag.
 //
 // Input:  surfaces (half_surfaces.frag; signed CoC RADIUS, px of image width, negative in front of the
-//         focus), each half as large as the one before; dilated (half_tile_dilate.frag).
+//         focus), each half as large as the one before; tile (half_tile_dilate.frag).
 //         LEVELS: how many; EACH_LEVEL(f): f(0) f(1) …, since software rasterisers read the textures of a
-//         loop more slowly; TILE: side of a tile in texels; FILL_PX: how far from a texel in focus its
-//         surroundings are.
+//         loop more slowly; FILL_PX: how far from a texel in focus its surroundings are.
 // Output: complete texels: rgb = light of the texel's own disc under what is nearer and spreads over it; a =
 //         opacity of that. Where a pixel is sharp, only what covers it: rgb = that times its opacity; a = -1 - opacity.
 //
@@ -24,19 +24,16 @@
 #include "discs.glsl"
 #include "finite.glsl"
 #include "half_coverage.glsl"
+#include "half_levels.glsl"
 
-uniform eye_image dilated;
+flat in vec4 tile;  // of half_tile_dilate.frag
 uniform eye_image surfaces[LEVELS];
 
-const float LEAST_NARROWED = 0.2;  // part of a disc's variance that is always left
 const float BEYOND_OWN = 1.25;     // by which what reaches the tile is wider than the pixel's own disc
 const float BESIDE_SMALL = 0.7;    // pixels read between texels: one beside a wide disc may be narrower
 
 out vec4 gathered;
 
-// Part of the square of a texel that discs are wider by, beside what disc_texels takes back: with it a lamp's disc
-// has its second moment (tests/render/effects/test_half_gather.py).
-const float TEXEL_SHARE = 0.3;
 const float LEAST = 0.001;    // weight of what is in focus
 const float COARSER = 0.125;  // weight of what is seen beside a near thing, by level
 const float LEAST_CALM = 1e-6;
@@ -57,19 +54,10 @@ float far_behind(float radius) {
     return p.a < -0.5 ? smoothstep(LEAST_FAR, FAR, (p.a - radius) / p.a) : 0.0;
 }
 
-// The part of a disc that is summed on this level.
-float level_part(int level, float radius_px) {
-    float wanted = log2(max(TEXELS_PER_PX * radius_px, 1e-3)) - float(level);
-    float finest = level == 0 ? 1.0 : clamp(5.0 * wanted + 3.0, 0.0, 1.0);
-    return finest - (level >= LEVELS - 1 ? 0.0 : clamp(5.0 * wanted - 2.0, 0.0, 1.0));
-}
-
 // What lies within a disc, on a level; `beyond`: only what covers the texel.
 void gather(eye_image image, int level, float disc_px, float part, bool beyond, int sides) {
     float texel_px = float(2 << level);
-    float wider_px2 = ENLARGED_PX2 + TEXEL_SHARE * texel_px * texel_px;
-    float narrower_px = sqrt(max(disc_px * disc_px - wider_px2, LEAST_NARROWED * disc_px * disc_px));
-    float grid = grid_radius_px(disc_texels(beyond ? disc_px : narrower_px, texel_px));
+    float grid = grid_radius_px(disc_texels(beyond ? disc_px : narrowed_px(disc_px, texel_px), texel_px));
     float reach = grid + 0.5 * RIM_PX, rows = reach * pixel_aspect;
     vec2 place = 2.0 * gl_FragCoord.xy / texel_px - 0.5;
     int top = part > 0.0 ? int(floor(place.y + rows)) : -1000000;
@@ -89,7 +77,7 @@ void gather(eye_image image, int level, float disc_px, float part, bool beyond, 
             seen += (1.0 - is_nearer) * (1.0 - is_far) * counts * weight * vec4(q.rgb, 1.0);
             free += weight * vec2(1.0 - covered * (1.0 - nearer(q.a, p.a)), 1.0);
             bool covers = radius > 0.5 && (sides & (q.a < 0.0 ? IN_FRONT : BEHIND)) != 0;
-            float of_level = beyond ? level_part(level, radius) : part;
+            float of_level = beyond ? half_level_part(level, radius) : part;
             over += covers ? covered * of_level * is_nearer / (PI * pixel_aspect)
                            * disc_share(away, grid_radius_px(disc_texels(radius, texel_px))) * vec4(q.rgb, 1.0)
                            : vec4(0.0);
@@ -98,13 +86,13 @@ void gather(eye_image image, int level, float disc_px, float part, bool beyond, 
 }
 
 void disc(float radius_px, bool wanted, int sides) {
-#define GATHER(level) gather(surfaces[level], level, radius_px, wanted ? level_part(level, radius_px) : 0.0, false, sides);
+#define GATHER(level) gather(surfaces[level], level, radius_px, wanted ? half_level_part(level, radius_px) : 0.0, false, sides);
     EACH_LEVEL(GATHER)
 }
 
 // What is nearer and in front of the focus, each on the levels of its own disc.
 void before(eye_image image, int level, float least_px, float widest_px) {
-    const float SHARED = 1.5157;  // 2^0.6: from there to its inverse level_part takes a disc
+    const float SHARED = 1.5157;  // 2^0.6: from there to its inverse half_level_part takes a disc
     float level_px = exp2(float(level)) / TEXELS_PER_PX;
     float most_px = level < LEVELS - 1 ? min(widest_px, SHARED * level_px) : widest_px;
     bool any = least_px <= most_px && (level == 0 || SHARED * widest_px > level_px);
@@ -131,7 +119,6 @@ void beside(eye_image image, int level, bool wanted) {
 }
 
 void main() {
-    vec4 tile = texel_of(dilated, ivec2(gl_FragCoord.xy) / TILE);
     float own_px = abs(p.a);
     float front_px = max(-p.a, 0.0);
     // Slanted surfaces in front of the focus reach a little farther than a texel's own disc.
@@ -147,8 +134,8 @@ void main() {
     float wide = smoothstep(SMALL_FROM_PX, SMALL_PX, own_px);
     float shown = wide + opacity - wide * opacity;  // in the composite
     float hides = far / max(free.y, 1e-4);
-#define BESIDE(level) beside(surfaces[level], level, hides > 0.01);
-    EACH_LEVEL(BESIDE)
+#define SEEN_BESIDE(level) beside(surfaces[level], level, hides > 0.01);
+    EACH_LEVEL(SEEN_BESIDE)
     vec3 own = seen.rgb / seen.a;
     own = behind.a > 0.0 ? mix(own, behind.rgb / behind.a, hides) : own;
     vec3 front = over.a > 0.0 ? over.rgb / over.a : own;

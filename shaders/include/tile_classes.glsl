@@ -1,9 +1,10 @@
-// What a tile of the image needs (coc_tile_dilate.frag).
-const int IN_FOCUS = 0;              // nothing is blurred
-const int FAST = 1;                  // no depth discontinuity within reach: discs are plain means
-const int FAST_HALF_RESOLUTION = 2;  // the same, and some discs are summed at half resolution
-const int COMPLEX = 3;               // foreground spreads over background, and does not leak when sharp
-const int CUT = 4;                   // something near cuts the disc of a lamp behind the focus: complex as well
+// What a tile of the image needs (coc_tile_dilate.frag, half_tile_dilate.frag).
+const int IN_FOCUS = 0;                 // nothing is blurred
+const int FAST = 1;                     // no depth discontinuity within reach: discs are plain means
+const int FAST_HALF_RESOLUTION = 2;     // the same, and some discs are summed at half resolution (12 samples: all)
+const int COMPLEX_HALF_RESOLUTION = 3;  // with 12 samples: complex, and all discs are summed at half resolution
+const int COMPLEX = 4;                  // foreground spreads over background, and does not leak when sharp
+const int CUT = 5;                      // something near cuts the disc of a lamp behind the focus: complex as well
 // And what it needs before that, and after (near_tiles.frag); a tile BEHIND is NEAR too.
-const int NEAR = 1;                  // the disc of something near comes here, and its silhouette is not far
-const int BEHIND = 2;                // what lies behind something near is drawn
+const int NEAR = 1;                     // the disc of something near comes here, and its silhouette is not far
+const int BEHIND = 2;                   // what lies behind something near is drawn

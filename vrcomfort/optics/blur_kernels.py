@@ -49,7 +49,7 @@ def coarser_behind(samples: int) -> bool:
     return samples // 4 >= LEAST_TEXELS
 
 
-# Gather at half resolution, for the fewest samples (``shaders/depth_of_field/half_gather.frag``).
+# Gather at half resolution, for the fewest samples (``shaders/depth_of_field/half_*.frag``).
 
 
 HALF_GATHER_SAMPLES = 12

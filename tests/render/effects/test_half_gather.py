@@ -7,6 +7,7 @@ from pydantic import ValidationError
 from tests.render.effects.test_optics import evaluate
 from tests.support.effects import depth_of_field
 from tests.support.kernels import blur
+from vrcomfort.optics import blur_kernels
 from vrcomfort.protocol.conditions import DepthOfField
 
 WIDTH, HEIGHT = 160, 96
@@ -186,3 +187,39 @@ def test_a_radius_carries_how_much_its_surface_covers(ctx):
     np.testing.assert_array_equal(found[:, 1], kept * 3)
     np.testing.assert_array_equal(found[:, 2], given[:, 0] > 1)
     np.testing.assert_array_equal(found[:, 3], 0.5)
+
+
+def test_images_of_half_the_size_share_each_disc(ctx):
+    x = np.zeros((300, 4), "f4")
+    x[:, 0] = np.linspace(0.5, 60, 300)
+    parts = ", ".join(f"half_level_part({level}, x.x)" for level in range(4))
+    defines = {"LEVELS": 4, "TEXELS_PER_PX": blur_kernels.HALF_TEXELS_PER_PX}.items()
+    files = "eyes.glsl coc.glsl discs.glsl half_levels.glsl"
+    found = evaluate(ctx, files, f"vec4({parts})", x, defines=defines)
+    np.testing.assert_allclose(found.sum(axis=1), 1.0, atol=1e-5)
+    assert (found > 0).sum(axis=1).max() == 2
+    # As many texels as a radius of 2.8 of them has, but for the finest and the coarsest image.
+    level, radius = np.nonzero(found[:, 1:3] > 0)[1] + 1, x[np.nonzero(found[:, 1:3] > 0)[0], 0]
+    assert (radius / 2.0 ** (level + 1)).min() > 1.3
+    assert (radius / 2.0 ** (level + 1)).max() < 3.1
+    narrower = evaluate(ctx, files, "vec4(narrowed_px(x.x, 2.0))", x, defines=defines)[:, 0]
+    assert (narrower < x[:, 0]).all()
+    wide = x[:, 0] > 4
+    np.testing.assert_allclose(x[wide, 0] ** 2 - narrower[wide] ** 2, 3.2, rtol=1e-3)
+
+
+@pytest.mark.parametrize("radius_px", [1.7, 2.9, -6.0, 13.0])
+def test_a_depth_discontinuity_out_of_reach_changes_nothing(ctx, radius_px):
+    """Plain means beside it are those of the shader that asks what is nearer."""
+    rgb = picture()
+    radii = np.full((HEIGHT, WIDTH), radius_px)
+    plain = blur(ctx, "vrcomfort", rgb, radii, max_radius_px=16.0, samples=12).rgb.astype(float)
+    radii[40:50, 70:80] = 0.0
+    lit = blur(ctx, "vrcomfort", rgb, radii, max_radius_px=16.0, samples=12).rgb.astype(float)
+    y, x = np.mgrid[:HEIGHT, :WIDTH]
+    away = np.hypot(np.maximum(abs(x - 74.5) - 4.5, 0), np.maximum(abs(y - 44.5) - 4.5, 0))
+    beyond = away > 1.3 * abs(radius_px) + 10
+    np.testing.assert_array_equal(lit[beyond & (away > 40)], plain[beyond & (away > 40)])
+    # Small discs have six taps instead of eight.
+    near = 0.35 if abs(radius_px) < 3.5 else 0.02
+    np.testing.assert_allclose(lit[beyond], plain[beyond], atol=near)

@@ -41,6 +41,8 @@ THROUGH = {
     "mean_of_reads": "the same (a cubic read makes nothing brighter or darker)",
     "add_peripheral_px": "colour_and_coc.frag (render/effects/test_peripheral.py)",
     "mean_over": "fast.frag and gather.frag (render/effects/test_depth_of_field.py)",
+    "mean_of_taps": "half_fast.frag and half_mixed.frag (render/effects/test_half_gather.py)",
+    "gathered_part": "the same",
     "gap_px": "coc_tile_dilate.frag (render/effects/test_depth_of_field.py)",
     "levels_of": "coc_tile_min_max.frag (render/effects/test_levels.py)",
     "on_image": "scene.frag and depth.frag (scene/test_extensions.py)",

@@ -30,7 +30,8 @@ class HalfGatherKernel:
     Notes
     -----
     Half an image keeps one surface in each texel: of thin things before the focus some are lost.
-    Tiles in focus are copied; tiles without small discs are half the image, enlarged.
+    Tiles in focus are copied; tiles without small discs are half the image, enlarged. Where no
+    depth discontinuity is within reach, discs are plain means.
     """
 
     def __init__(self, coc: CocPasses) -> None:
@@ -70,28 +71,50 @@ class HalfGatherKernel:
             },
             reach_px=coc.max_radius_px + SLACK_PX + 1,  # tiles that it touches count whole
         )
+        surfaces_read = {"dilated": self._dilate.target, "surfaces": surfaces}
+        levels = {
+            **small,
+            "LEVELS": len(surfaces),
+            "EACH_LEVEL(f)": each_level(0, len(surfaces)),
+            "TEXELS_PER_PX": blur_kernels.HALF_TEXELS_PER_PX,
+        }
         widest_px = max(coc.max_radius_px, FILL_PX)
+        # Summed over texels of the coarsest level.
+        reach_px = {"dilated": 0.0, "surfaces": widest_px + 2.0 ** (len(surfaces) + 1)}
+        self._mean = coc.make_pass(
+            "half_mean",
+            surfaces_read,
+            texel_px=2,
+            defines={**levels, **_classes("IN_FOCUS", "FAST_HALF_RESOLUTION", tile_px // 2)},
+            reach_px=reach_px,
+            **on_tiles(self._dilate.target),
+        )
         self._gather = coc.make_pass(
             "half_gather",
-            {"dilated": self._dilate.target, "surfaces": surfaces},
+            surfaces_read,
             texel_px=2,
+            target=self._mean.target,
             defines={
-                **small,
-                "TILE": tile_px // 2,
-                "LEVELS": len(surfaces),
-                "EACH_LEVEL(f)": each_level(0, len(surfaces)),
-                "TEXELS_PER_PX": blur_kernels.HALF_TEXELS_PER_PX,
+                **levels,
+                **_classes("COMPLEX_HALF_RESOLUTION", "COMPLEX", tile_px // 2),
                 "FILL_PX": FILL_PX,
             },
-            # Summed over texels of the coarsest level.
-            reach_px={"dilated": 0.0, "surfaces": widest_px + 2.0 ** (len(surfaces) + 1)},
+            reach_px=reach_px,
+            **on_tiles(self._dilate.target),
         )
         self.target = gl.eye_texture(coc.ctx, coc.size_px, coc.eyes)
         points, half = {"colour_and_coc": coc.colour_and_coc}, {"gathered": self._gather.target}
-        self._sharp = self._composite("IN_FOCUS", "in_focus", points)
-        self._wide = self._composite("FAST", "half_wide", half)
-        both = {**points, **half}
-        self._mixed = self._composite("COMPLEX", "half_mixed", both, small, filtered=set(points))
+        both: Inputs = {**points, **half}
+        self._sharp = self._composite(points, "in_focus", "IN_FOCUS")
+        all_complete: dict[str, Any] = {"defines": {"ALL_COMPLETE": 1}, "filtered": set(half)}
+        self._wide = [
+            self._composite(half, "half_wide", "FAST_HALF_RESOLUTION", **all_complete),
+            self._composite(half, "half_wide", "COMPLEX_HALF_RESOLUTION"),
+        ]
+        self._mixed = [
+            self._composite(both, "half_fast", "FAST", defines=small, filtered=set(points)),
+            self._composite(both, "half_mixed", "COMPLEX", defines=small, filtered=set(points)),
+        ]
 
     def render(self, pixel_aspect: PixelAspect) -> None:
         """Blur the image of the last eye."""
@@ -99,16 +122,20 @@ class HalfGatherKernel:
             each.render()
         self._tiles.render()
         self._dilate.render(pixel_aspect_of_eye=pixel_aspect)
+        self._mean.render(pixel_aspect_of_eye=pixel_aspect)
         self._gather.render(pixel_aspect_of_eye=pixel_aspect)
         self._sharp.render()
-        self._wide.render()
-        self._mixed.render(pixel_aspect_of_eye=pixel_aspect)
+        for wide in self._wide:
+            wide.render()
+        for mixed in self._mixed:
+            mixed.render(pixel_aspect_of_eye=pixel_aspect)
 
     def _composite(
         self,
-        name: str,
-        fragment: str,
         inputs: Inputs,
+        fragment: str,
+        name: str,
+        *,
         defines: Mapping[str, Any] | None = None,
         **options: Any,
     ) -> FullscreenPass:
@@ -124,3 +151,8 @@ class HalfGatherKernel:
             **on_tiles(self._dilate.target),
             **options,
         )
+
+
+def _classes(first: str, last: str, point_px: int) -> dict[str, Any]:
+    """Return the defines of ``tiles_of_class.vert`` for classes that follow each other."""
+    return {**of_class(first, point_px, beside=0), "UP_TO": last}

@@ -309,7 +309,7 @@ class NearThings:
 
     def _near(self) -> dict[str, Any]:
         """Return the defines of tiles that near discs come to, in eyes with anything behind."""
-        return {"OR_ABOVE": 1, **({"IF_ANY": "BEHIND"} if self._of_eye else {})}
+        return {"UP_TO": "BEHIND", **({"IF_ANY": "BEHIND"} if self._of_eye else {})}
 
     def _gather_pass(self) -> FullscreenPass:
         coc = self._coc
