@@ -13,6 +13,7 @@ from tests.support.render import at, glowing, mesh, scene, wall
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Pose, View
 from vrcomfort.gpu import gl
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.passes import watched
 from vrcomfort.gpu.traffic import TrafficCounter
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
@@ -380,3 +381,25 @@ def test_a_near_lamp_at_the_image_s_border_does_not_go_on_outside(ctx, samples):
     ours, true = found["linear"][..., 0] - DARK_LIGHT, part_of_disc(lamp_at)
     assert rms(ours - true) < 0.5 * rms(true)
     assert ours.sum() == pytest.approx(true.sum(), rel=0.1)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_lamp_s_disc_has_no_holes_between_texels(ctx, seed):
+    """No dark pixel at a rim that is many times brighter than white; texels keep their light."""
+    random = np.random.default_rng(seed)
+    y, x = np.mgrid[:24, :24] + 0.5 - random.uniform(11, 13, 2)[:, None, None]
+    inside = np.clip(random.uniform(5, 8) - np.hypot(x, y) + 0.5, 0, 1)
+    disc = (inside**2 * (3 - 2 * inside))[..., None] * [40.0, 40.0, 40.0, 0.2]
+    near = ctx.texture((24, 24), 4, disc.astype("f2").tobytes(), dtype="f2")
+    drawn = FullscreenPass(
+        ctx, "depth_of_field/near_over.frag", size_px=(48, 48), inputs={"near": near}
+    )
+    drawn.render()
+    found = np.frombuffer(drawn.target.read(), "f2").reshape(48, 48, 4).astype(float)
+    middle_x, middle_y = (int(np.argmax(found[..., 0].sum(axis=axis))) for axis in (0, 1))
+    light = found[..., 0]
+    for outwards in (light[:, middle_x:], light[:, middle_x::-1], light[middle_y:].T):
+        assert not (np.diff(outwards, axis=1)[outwards[:, :-1] < 0.5] > 0.5).any()
+    np.testing.assert_allclose(found[..., 3] * 200, light, rtol=0.02, atol=0.02)
+    texels = found.reshape(24, 2, 24, 2, 4).mean(axis=(1, 3))
+    np.testing.assert_allclose(texels[..., 0], disc[..., 0], atol=4.0)
