@@ -27,10 +27,10 @@ THINGS = {"edge": (-400.0, 6.0), "bar": (-2.0, 14.0), "bar beside": (12.0, 22.0)
 """From where to where they reach across, pixels from the lamp's middle."""
 
 
-def content_of(*, thing=None, lamp_light=LAMP_LIGHT):
+def content_of(*, thing=None, lamp_light=LAMP_LIGHT, lamp_m=LAMP_M):
     """A square lamp on a wall as dark as the near thing before it."""
-    side = np.array([LAMP_SIDE_PX * LAMP_M / FOCAL_PX] * 2 + [1.0])
-    nodes = [at(0, 0, -1.001 * LAMP_M), at(*place_m(LAMP_AT, LAMP_M), mesh=(1,), scale=side)]
+    side = np.array([LAMP_SIDE_PX * lamp_m / FOCAL_PX] * 2 + [1.0])
+    nodes = [at(0, 0, -1.001 * lamp_m), at(*place_m(LAMP_AT, lamp_m), mesh=(1,), scale=side)]
     things = []
     if thing is not None:
         along = 400 * np.array([ACROSS[1], -ACROSS[0]])
@@ -87,3 +87,14 @@ def test_discs_are_cut_only_where_a_lamp_is_behind_something_near(ctx, thing, la
     near = passes.get("depth_of_field/near_gather.frag")
     is_cut = cut and near and near.declared.writes[0].name in {x.name for x in cut.declared.reads}
     assert bool(is_cut) == (thing is not None and lamp_light == LAMP_LIGHT)
+
+
+@pytest.mark.parametrize("edge_px", [-12.0, 4.0, 15.0])
+def test_a_lamp_in_focus_loses_what_is_hidden_of_the_lens(ctx, monkeypatch, edge_px):
+    """All rays of a point meet in its pixel: it is dimmed evenly by the part of the lens."""
+    monkeypatch.setitem(THINGS, "edge", (-400.0, edge_px))
+    lit, _ = light_of(ctx, content_of(thing="edge", lamp_m=FOCUS_M), 36)
+    alone, _ = light_of(ctx, content_of(lamp_m=FOCUS_M), 36)
+    free = edge_px / NEAR_DISC_PX
+    free = (np.arccos(free) - free * np.sqrt(1 - free**2)) / np.pi
+    assert lit.sum() / alone.sum() == pytest.approx(free, abs=0.03)
