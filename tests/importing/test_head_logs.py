@@ -192,7 +192,7 @@ def test_what_is_uncertain_is_asked_with_its_consequence(tmp_path: Path) -> None
     file = quaternions(tmp_path, walk())
     (doubt,) = suggest_log_mapping(file).doubts
     assert "Which frame is it" in doubt.question
-    assert "left and right turns" in doubt.otherwise
+    assert "left and right turns" in doubt.stake.otherwise
     made = CliRunner().invoke(app, ["import-trace", str(file), "--out", str(tmp_path / "t.csv")])
     assert made.exit_code != 0
     assert not (tmp_path / "t.csv").exists()

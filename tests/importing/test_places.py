@@ -107,7 +107,7 @@ def test_a_pattern_of_file_names_may_lack_words(tmp_path: Path) -> None:
     assert {(m.participant, m.timepoint) for _, m in found.responses} == {
         ("P07", "post"), ("P07", "baseline"),
     }  # fmt: skip
-    with pytest.raises(InputError, match="does not match"):
+    with pytest.raises(InputError, match="is not made as"):
         imported(tmp_path, [items, [*ANSWERS]], keys, ("other",))
 
 

@@ -108,3 +108,17 @@ def test_without_a_page_none_is_written(words: list[str], tmp_path: Path) -> Non
     assert made.exit_code == 0
     assert made.stdout == suggest_mapping([file]).text
     assert [each.name for each in tmp_path.iterdir()] == [file.name]
+
+
+def test_each_part_of_a_sheet_is_shown_as_a_table_of_its_own(tmp_path: Path) -> None:
+    loads = ["Mental Demand", "Physical Demand", "Temporal Demand", "Performance", "Effort"]
+    rows: list[list[object]] = []
+    for condition in ("Teleport", "Joystick"):
+        rows += [[condition], ["ID", *loads, "Frustration"]]
+        rows += [[f"P{n}", *(5 * ((n * k) % 21) for k in range(1, 7))] for n in range(1, 8)]
+        rows += [[]]
+    file = write(tmp_path / "NASA-TLX.csv", rows)
+    page = page_of(file, "--suggest", "--preview", tmp_path / "page.html")
+    assert "NASA-TLX.csv, sheet Teleport" in page
+    assert "NASA-TLX.csv, sheet Joystick" in page
+    assert "not understood" not in page

@@ -119,8 +119,10 @@ def test_numbers_count_from_where_the_words_beside_some_of_them_say(tmp_path: Pa
     texts = ["1 (none)", "2", "3", "4 (severe)"]
     rows: list[list[object]] = [["id", "condition", *ENGLISH]]
     rows += [[f"P{n}", "a", *(texts[(n + k) % 4] for k in range(16))] for n in range(6)]
-    imported = imported_from(write(tmp_path / "ssq.csv", rows))
-    assert answers_in(imported)[1] == [(1 + k) % 4 for k in range(16)]
+    suggested = suggest_mapping([write(tmp_path / "ssq.csv", rows)])
+    assert suggested.imported is not None
+    assert answers_in(suggested.imported)[1] == [(1 + k) % 4 for k in range(16)]
+    assert any("as the words beside some of them say" in doubt for doubt in suggested.doubts)
 
 
 def test_an_unknown_word_in_the_place_of_an_item_is_that_item_and_is_asked(tmp_path: Path) -> None:

@@ -52,8 +52,6 @@ class AnswerReader:
 
     Parameters
     ----------
-    table
-        Where they stand, for errors.
     source
         What the mapping says of the questionnaire; `item_coding` wins where it has the item.
     """

@@ -35,12 +35,12 @@ class Block:
         What the heading and the mapping say of the administration.
     columns
         Index of the column → item (or scale).
+    where
+        Index of a column → texts that a row has to have there.
     item_column, response_column, time_column
         Indices, in long tables.
     words
         In long tables, text in the item column → item.
-    where
-        Index of a column → texts that a row has to have there.
     onset_s
         When the rating of these columns was given, where their headings say it.
     beside
@@ -51,11 +51,11 @@ class Block:
     instrument: Instrument
     facts: dict[str, str]
     columns: dict[int, str]
-    item_column: int | None
-    response_column: int | None
-    time_column: int | None
-    words: dict[str, str]
     where: dict[int, tuple[str, ...]]
+    item_column: int | None = None
+    response_column: int | None = None
+    time_column: int | None = None
+    words: dict[str, str] = field(default_factory=dict)
     onset_s: float | None = None
     beside: dict[str, int] = field(default_factory=dict)
 
@@ -216,13 +216,10 @@ class Columns:
                 instrument,
                 {**{n: t for n, t in facts if n not in TIMES}, **source.constants},
                 columns,
-                None,
-                None,
-                time_column,
-                {},
                 where,
-                self._onset_s(dict(facts)),
-                beside,
+                time_column=time_column,
+                onset_s=self._onset_s(dict(facts)),
+                beside=beside,
             )
             for facts, columns in found.items()
         ]
@@ -268,10 +265,8 @@ class Columns:
         columns = {place: item for place, item in enumerate(order, start=first) if item}
         if not source.item_order:
             self._require_items(source, instrument, {(): columns})
-        return Block(
-            source, instrument, source.constants, columns, None, None, None, {}, where,
-            beside=self._beside(source, number),
-        )  # fmt: skip
+        beside = self._beside(source, number)
+        return Block(source, instrument, source.constants, columns, where, beside=beside)
 
     def _beside(self, source: Questionnaire | Scores, number: int) -> dict[str, int]:
         """Return fact → index of the column that says it of one of a source's questionnaires."""
@@ -289,8 +284,8 @@ class Columns:
         words = {text: item for text in texts if (item := pieces(text)) is not None}
         time_column = self.index(source.time, "time") if source.time else None
         return Block(
-            source, instrument, source.constants, {},
-            item_column, response_column, time_column, words, where,
+            source, instrument, source.constants, {}, where,
+            item_column, response_column, time_column, words,
         )  # fmt: skip
 
     def _pieces(self, source: Questionnaire | Scores, instrument: Instrument) -> _Pieces:
@@ -458,7 +453,8 @@ class RowFacts:
         folders = table.file.absolute().parts[:-1][-said.count("/") :] if "/" in said else ()
         name = "/".join((*folders, table.file.name.removesuffix(table.file.suffix)))
         self._of_table |= self._captured(mapping.file_name, name, "file's name")
-        self._of_table |= self._matched(mapping.file_pattern, name)
+        pattern = re.compile(mapping.file_pattern)
+        self._of_table |= self._captured(mapping.file_pattern, name, "file's name", pattern)
         self._sources = [
             (name, mapping.fact(name), columns.facts.get(name))
             for name in FACTS
@@ -474,21 +470,15 @@ class RowFacts:
             return None
         return tuple([cells[i] for _, _, columns in self._sources for i in columns or ()])
 
-    def _captured(self, template: str, text: str, what: str) -> dict[str, str]:
+    def _captured(
+        self, template: str, text: str, what: str, pattern: re.Pattern[str] | None = None
+    ) -> dict[str, str]:
+        """Return the facts in a name; those that are not there are blank."""
         if not template:
             return {}
-        match = template_pattern(template).fullmatch(text)
+        match = (pattern or template_pattern(template)).fullmatch(text)
         if match is None:
             raise self._table.fault(f"the {what} {text!r} is not made as {template!r}")
-        return match.groupdict()
-
-    def _matched(self, pattern: str, name: str) -> dict[str, str]:
-        """Return the groups of a file's name; those that are not there are blank."""
-        if not pattern:
-            return {}
-        match = re.fullmatch(pattern, name)
-        if match is None:
-            raise self._table.fault(f"the file's name {name!r} does not match {pattern!r}")
         return match.groupdict(default="")
 
     def of_row(self, cells: tuple[str, ...], row: int) -> dict[str, str]:

@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from fnmatch import fnmatchcase
 from pathlib import Path
 
 from vrcomfort.errors import InputError
@@ -24,15 +23,18 @@ from vrcomfort.importing.files import as_table, read_grids
 from vrcomfort.importing.made_instruments import MOST, ScoreInstrument, name_of, on_scale, sum_up
 from vrcomfort.importing.mapping import (
     LabMapping,
+    Leaving,
     Questionnaire,
     ScoreKind,
     Scores,
     Summary,
     TableMapping,
+    matches,
     scale_named,
 )
 from vrcomfort.importing.rows import (
     Administration,
+    AnsweredAgainError,
     ExposureEnd,
     Imported,
     ImportedResponse,
@@ -62,8 +64,6 @@ class Made:
     )
 
 
-ANSWERED_AGAIN = "is answered a second time by"
-"""What the refusal of an answer says that another row has given."""
 _FEWEST_OF_LOG = 20
 """Rows of a log that has other rows than ratings; of fewer, blank ones are missed ratings."""
 
@@ -130,7 +130,7 @@ class TableImport:
             taken = []
         administrations = self._administrations_of(taken, cells, row) if taken else []
         for place, administration in zip(taken, administrations, strict=True):
-            self._take(place, self._all_blocks[place], administration, cells, row)
+            self._take(place, administration, cells, row)
         if elsewhere and not taken:
             self._elsewhere[", ".join(dict.fromkeys(elsewhere))] += 1
         self._ends(cells, row)
@@ -140,33 +140,30 @@ class TableImport:
     def _ends(self, cells: tuple[str, ...], row: int) -> None:
         """Read how long the exposures of a row lasted."""
         leaving = self._mapping.left_at
-        for column, said in self._columns.left_at.items() if leaving is not None else ():
+        if leaving is None:
+            return
+        for column, said in self._columns.left_at.items():
             facts = {**self._facts.of_row(cells, row)}
             facts |= {name: self._facts.renamed(name, text, row) for name, text in said.items()}
             facts = {name: text for name, text in facts.items() if name != "timepoint"}
             administration = self._administration(facts, row)._replace(timepoint="")
-            if leaving is None or any(
-                e.administration == administration for e in self._imported.ends
-            ):
-                continue
-            self._imported.ends.append(self._end(administration, cells[column], row, column))
+            if all(each.administration != administration for each in self._imported.ends):
+                end_s = self._end_s(leaving, cells[column], row, column)
+                end = ExposureEnd(
+                    administration, min(end_s, leaving.planned_s), left=end_s < leaving.planned_s
+                )
+                self._imported.ends.append(end)
 
-    def _end(self, administration: Administration, text: str, row: int, column: int) -> ExposureEnd:
-        leaving = self._mapping.left_at
-        if leaving is None:
-            raise TypeError(leaving)
+    def _end_s(self, leaving: Leaving, text: str, row: int, column: int) -> float:
         if text in {"", *leaving.missing, *self._mapping.missing}:
-            return ExposureEnd(administration, leaving.planned_s, left=False)
+            return leaving.planned_s
         value = number(text, self._table.reading.decimal or ".")
         in_words_s = time_in_words_s(text)
         if in_words_s is None and (value is None or value < 0):
             message = f"{text!r} is not a time; write texts for participants who stayed"
             raise self._table.fault(f"{message} into `missing` of left_at", row, column)
         end_s = (value or 0.0) * (60 if leaving.unit == "min" else 1)
-        end_s = end_s if in_words_s is None else in_words_s
-        return ExposureEnd(
-            administration, min(end_s, leaving.planned_s), left=end_s < leaving.planned_s
-        )
+        return end_s if in_words_s is None else in_words_s
 
     def _administrations_of(
         self, blocks: list[int], cells: tuple[str, ...], row: int
@@ -213,28 +210,25 @@ class TableImport:
         }
 
     def _administration(self, facts: dict[str, str], row: int) -> Administration:
-        if not facts.get("participant"):
-            columns = self._columns.facts.get("participant")
-            message = (
-                "there is no participant; name the row under leave_out unless it is a participant's"
-            )
-            raise self._table.fault(message, row, columns[0] if columns else None)
+        self._require_participant(facts.get("participant", ""), row)
         return administration_of({"timepoint": TIMEPOINT, **facts})
 
+    def _require_participant(self, name: str, row: int) -> None:
+        if not name:
+            columns = self._columns.facts.get("participant")
+            message = "there is no participant; name the row under leave_out unless it is one's"
+            raise self._table.fault(message, row, columns[0] if columns else None)
+
     def _take(
-        self,
-        place: int,
-        block: Block,
-        administration: Administration,
-        cells: tuple[str, ...],
-        row: int,
+        self, place: int, administration: Administration, cells: tuple[str, ...], row: int
     ) -> None:
+        block = self._all_blocks[place]
         if isinstance(block.source, Scores):
             self._scores(block, administration, cells, row)
         elif block.time_column is not None or block.onset_s is not None:
-            self._rating(place, block, administration, cells, row)
+            self._rating(place, administration, cells, row)
         else:
-            self._answers(place, block, administration, cells, row)
+            self._answers(place, administration, cells, row)
 
     def _items(self, block: Block, cells: tuple[str, ...], row: int) -> list[tuple[int, str]]:
         """Return (column, item) of the answers of a row."""
@@ -247,11 +241,10 @@ class TableImport:
             return []
         return [(block.response_column, item)]
 
-    def _read(
-        self, place: int, block: Block, item: str, text: str, row: int, column: int
-    ) -> Answer | None:
+    def _read(self, place: int, item: str, text: str, row: int, column: int) -> Answer | None:
         reader = self._readers.get((place, item))
         if reader is None:
+            block = self._all_blocks[place]
             if not isinstance(block.source, Questionnaire):
                 raise TypeError(block.source)
             missing = self._mapping.missing
@@ -260,15 +253,11 @@ class TableImport:
         return reader.read(text, row, column)
 
     def _answers(
-        self,
-        place: int,
-        block: Block,
-        administration: Administration,
-        cells: tuple[str, ...],
-        row: int,
+        self, place: int, administration: Administration, cells: tuple[str, ...], row: int
     ) -> None:
+        block = self._all_blocks[place]
         found = self._items(block, cells, row)
-        answers = {i: self._read(place, block, i, cells[c], row, c) for c, i in found}
+        answers = {i: self._read(place, i, cells[c], row, c) for c, i in found}
         if not found:
             return
         if block.item_column is None and not any(a is not None for a in answers.values()):
@@ -290,13 +279,9 @@ class TableImport:
             self._imported.not_asked[name] = tuple(dict.fromkeys((*before, *not_asked)))
 
     def _rating(
-        self,
-        place: int,
-        block: Block,
-        administration: Administration,
-        cells: tuple[str, ...],
-        row: int,
+        self, place: int, administration: Administration, cells: tuple[str, ...], row: int
     ) -> None:
+        block = self._all_blocks[place]
         found = self._items(block, cells, row)
         if not found:
             return
@@ -310,7 +295,7 @@ class TableImport:
             text = "" if block.time_column is None else cells[block.time_column]
             raise self._table.fault(f"{text!r} is no time", row, block.time_column)
         for column, item in found:
-            response = self._read(place, block, item, cells[column], row, column)
+            response = self._read(place, item, cells[column], row, column)
             rating = Rating(administration, block.instrument.name, onset_s, response)
             here = SourceRow(self._table.file.name, self._table.sheet, row)
             summaries = block.source.summaries if isinstance(block.source, Questionnaire) else ()
@@ -394,17 +379,13 @@ class TableImport:
         column: int,
     ) -> None:
         if item in response.answers:
-            message = f"{item} {ANSWERED_AGAIN} {administration.words}; first in"
+            message = f"{item} is answered a second time by {administration.words}; first in"
             hint = "a trial or session tells repetitions apart (or trial = { count = true })"
-            raise self._table.fault(f"{message} {response.place}; {hint}", row, column)
+            fault = self._table.fault(f"{message} {response.place}; {hint}", row, column)
+            raise AnsweredAgainError(fault.message)
 
     def _covariates(self, participant: str, cells: tuple[str, ...], row: int) -> None:
-        if not participant:
-            columns = self._columns.facts.get("participant")
-            message = (
-                "there is no participant; name the row under leave_out unless it is a participant's"
-            )
-            raise self._table.fault(message, row, columns[0] if columns else None)
+        self._require_participant(participant, row)
         known = self._imported.participants.setdefault(participant, {})
         for name, column in self._columns.participants.items():
             text = "" if cells[column] in self._mapping.missing else cells[column]
@@ -516,8 +497,8 @@ def import_files(
     used: set[int] = set()
     seen: list[set[tuple[str, str]]] = [set() for _ in mapping.tables]
     for file in files:
-        found = [i for i, each in enumerate(mapping.tables) if _is_of(file, each)]
-        if not found and any(fnmatchcase(file.name, each) for each in mapping.ignore_files):
+        found = [i for i, each in enumerate(mapping.tables) if matches(file.name, each.files)]
+        if not found and matches(file.name, mapping.ignore_files):
             continue
         if not found:
             message = "no table of the mapping names this file; add it, or list it under"
@@ -526,7 +507,7 @@ def import_files(
         taken = []
         for index in found:
             table = mapping.tables[index]
-            for each in _sheets(file, table):
+            for each in tables_of(file, table):
                 taken.append(TableImport(each, table, known, imported, numbers, made).run())
                 seen[index] |= texts_in(each, table)
         reading = mapping.tables[found[0]].read.reading
@@ -553,19 +534,21 @@ def _require_names(files: Sequence[Path]) -> None:
         raise InputError("this file is given twice", file=twice[0])
 
 
-def _is_of(file: Path, table: TableMapping) -> bool:
-    return any(fnmatchcase(file.name, pattern) for pattern in table.files)
-
-
 def _grids(file: Path, reading: Reading) -> list[Grid]:
     grids = read_grids(file, reading)
     return [part for grid in grids for part in (sections(grid) if reading.sections else [grid])]
 
 
-def _sheets(file: Path, table: TableMapping) -> list[SourceTable]:
+def tables_of(file: Path, table: TableMapping) -> list[SourceTable]:
+    """Read the sheets of a file that are of a table of a mapping.
+
+    Raises
+    ------
+    InputError
+        If the file, or a table of it, cannot be read; with the row.
+    """
     grids = _grids(file, table.read.reading)
-    kept = [g for g in grids if not g.sheet or any(fnmatchcase(g.sheet, p) for p in table.sheets)]
-    return [as_table(grid) for grid in kept]
+    return [as_table(g) for g in grids if not g.sheet or matches(g.sheet, table.sheets)]
 
 
 def _require_sheets(
@@ -575,8 +558,7 @@ def _require_sheets(
     if file.suffix.lower() not in {".xlsx", ".xlsm"} and not reading.sections:
         return
     for grid in _grids(file, reading):
-        ignored = any(fnmatchcase(grid.sheet, pattern) for pattern in mapping.ignore_sheets)
-        if grid.sheet not in taken and not ignored:
+        if grid.sheet not in taken and not matches(grid.sheet, mapping.ignore_sheets):
             message = f"the sheet {grid.sheet!r} is in no table of the mapping"
             raise InputError(f"{message}; add it, or list it under ignore_sheets", file=file)
 

@@ -6,6 +6,7 @@ import hashlib
 import re
 from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -90,18 +91,7 @@ class Read(Settings):
     @property
     def reading(self) -> Reading:
         """Return the same for the readers."""
-        return Reading(
-            self.encoding,
-            self.separator,
-            self.decimal,
-            self.heading_rows,
-            self.skip_rows,
-            self.transpose,
-            self.stack,
-            self.sections,
-            self.marked,
-            self.spread,
-        )
+        return Reading(**dict(self))
 
 
 class AnswerCoding(Settings):
@@ -239,8 +229,8 @@ class TableMapping(Settings):
         return found
 
 
-class Doubt(Settings):
-    """A question that the files do not answer."""
+class Guess(Settings):
+    """A question of less weight, which `--suggest` has answered by a guess."""
 
     question: str
     assumed: str = ""
@@ -249,17 +239,13 @@ class Doubt(Settings):
     """The consequence if that is wrong."""
     instead: str = ""
     """What to write in that case."""
+
+
+class Doubt(Guess):
+    """A question that the files do not answer."""
+
     answer: str = ""
     """Written by a person; the mapping is refused until there is one."""
-
-
-class Guess(Settings):
-    """A question of less weight, which `--suggest` has answered by a guess."""
-
-    question: str
-    assumed: str = ""
-    otherwise: str = ""
-    instead: str = ""
 
 
 _OwnInstrument = Annotated[
@@ -530,6 +516,11 @@ def scale_named(instrument: Instrument, name: str) -> Scale | None:
 def texts_of(texts: Texts) -> tuple[str, ...]:
     """Return one text, or several, as several."""
     return (texts,) if isinstance(texts, str) else texts
+
+
+def matches(name: str, patterns: Iterable[str]) -> bool:
+    """Return whether the name of a file or sheet is of one of some patterns."""
+    return any(fnmatchcase(name, pattern) for pattern in patterns)
 
 
 _PLACEHOLDER = re.compile(r"\{(\*|[a-z_]+)\}")

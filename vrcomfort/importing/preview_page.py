@@ -7,15 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from pathlib import Path
 
 from vrcomfort import __version__
 from vrcomfort.errors import InputError
 from vrcomfort.files import open_file
 from vrcomfort.importing.columns import Block, Columns
-from vrcomfort.importing.files import as_table, read_grids
-from vrcomfort.importing.mapping import FACTS, Doubt, Guess, LabMapping, Scores, TableMapping
+from vrcomfort.importing.convert import tables_of
+from vrcomfort.importing.mapping import FACTS, LabMapping, Scores, TableMapping, matches
 from vrcomfort.importing.preview import preview
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.source import SourceTable
@@ -83,15 +82,6 @@ class TableView:
     refusal: str
 
 
-@dataclass(frozen=True)
-class MappingShown:
-    """A mapping as it is shown: its text, and what it leaves open."""
-
-    text: str
-    doubts: Sequence[Doubt]
-    guesses: Sequence[Guess]
-
-
 def render_preview(
     files: Sequence[Path],
     mapping: LabMapping,
@@ -124,7 +114,7 @@ def render_preview(
         kinds={kind: name for kind, name in KINDS.items() if kind in used},
         tables=tables[:MOST_TABLES],
         further=[table.name for table in tables[MOST_TABLES:]],
-        shown=MappingShown(text, mapping.doubts, mapping.guesses),
+        mapping=mapping,
         lines=text.splitlines(),
         found=preview(imported) if imported is not None else [],
         notes=imported.notes if imported is not None else [],
@@ -134,18 +124,13 @@ def render_preview(
 def _views(
     files: Sequence[Path], mapping: LabMapping, known: Mapping[str, Instrument]
 ) -> list[TableView]:
-    found = []
-    for file in files:
-        for each in mapping.tables:
-            if any(fnmatchcase(file.name, pattern) for pattern in each.files):
-                grids = read_grids(file, each.read.reading)
-                chosen = [g for g in grids if not g.sheet or _named(g.sheet, each.sheets)]
-                found += [_view(as_table(grid), each, known) for grid in chosen]
-    return found
-
-
-def _named(sheet: str, patterns: Sequence[str]) -> bool:
-    return any(fnmatchcase(sheet, pattern) for pattern in patterns)
+    return [
+        _view(table, each, known)
+        for file in files
+        for each in mapping.tables
+        if matches(file.name, each.files)
+        for table in tables_of(file, each)
+    ]
 
 
 def _view(table: SourceTable, mapping: TableMapping, known: Mapping[str, Instrument]) -> TableView:

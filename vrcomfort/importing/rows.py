@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import NamedTuple
 
+from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Answer, Instrument, plain
 
 
@@ -68,6 +69,10 @@ class SourceRow(NamedTuple):
     def __str__(self) -> str:
         sheet = f", sheet {self.sheet}" if self.sheet else ""
         return f"{self.file}{sheet}, row {self.row}"
+
+
+class AnsweredAgainError(InputError):
+    """An answer that another row has given for the same administration."""
 
 
 @dataclass

@@ -19,32 +19,15 @@ LONGEST_TEXT = 131_072
 
 
 class Reading(NamedTuple):
-    """How a file is read; None (or blank) is detected, and noted.
+    """How a file is read, as `Read` of a mapping says; None (or blank) is detected, and noted.
 
     Parameters
     ----------
-    encoding
-        Of a text file: any name that Python knows.
-    separator
-        Between the columns of a text file.
-    decimal
-        ``.`` or ``,``.
     heading_rows
         Rows that make up the heading, counted from 1 as spreadsheets do; none where columns have
         no names.
     skip_rows
         Rows that hold no data, such as the question texts below a heading.
-    transpose
-        Participants stand side by side: columns are read as rows, and numbered as such.
-    stack
-        The headings repeat from column to column: what stands below each run of them is read as
-        rows of one table.
-    sections
-        A sheet has several tables, one below the other: each is read as a sheet of its own.
-    marked
-        Of several columns a row marks one: they are read as one, with the heading of that column.
-    spread
-        Headings of columns with a list of numbers in each cell: each number is read as a column.
     """
 
     encoding: str | None = None

@@ -8,6 +8,7 @@ import io
 import re
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -142,19 +143,11 @@ def encoding_of(content: bytes) -> str:
             return name
     if content[1:2] == b"\0" or content[:1] == b"\0":
         return "utf-16-le" if content[1:2] == b"\0" else "utf-16-be"
-    try:
-        content.decode("utf-8")
-    except UnicodeDecodeError:
-        return "windows-1252" if _is_windows_1252(content) else "latin-1"
-    return "utf-8"
-
-
-def _is_windows_1252(content: bytes) -> bool:
-    try:
-        content.decode("windows-1252")
-    except UnicodeDecodeError:
-        return False
-    return True
+    for name in ("utf-8", "windows-1252"):
+        with suppress(UnicodeDecodeError):
+            content.decode(name)
+            return name
+    return "latin-1"
 
 
 def _unquoted(text: str) -> str:

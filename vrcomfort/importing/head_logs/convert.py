@@ -52,13 +52,7 @@ class _Samples:
 
 
 class LogConverter:
-    """Converts the rows of one log.
-
-    Parameters
-    ----------
-    file
-        The log, for errors.
-    """
+    """Converts the rows of one log."""
 
     def __init__(self, file: Path, mapping: LogMapping) -> None:
         self._file = file

@@ -36,7 +36,7 @@ from vrcomfort.importing.head_logs.mapping import (
     parse_log_mapping,
 )
 from vrcomfort.importing.head_logs.reading import SAMPLE_BYTES, LogSample, sample_of
-from vrcomfort.importing.suggest.draft import OpenDoubt, TomlDraft, write_doubts
+from vrcomfort.importing.suggest.draft import OpenDoubt, Stake, TomlDraft, listed, write_doubts
 from vrcomfort.importing.suggest.vocabulary import tokens
 from vrcomfort.importing.text_files import content_of
 from vrcomfort.json_text import escape_surrogates
@@ -74,7 +74,7 @@ def _way_of_turns(hand: str) -> OpenDoubt:
     }
     question = "Which way are yaw, pitch and roll positive?"
     wrong = "the head would turn the other way; `negated` in the mapping turns them round"
-    return OpenDoubt(question, ways[hand], wrong, 85)
+    return OpenDoubt(question, ways[hand], Stake(wrong, 85))
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,7 @@ class _LogDraft:
         return self._places.get(name, name)
 
     def _doubt(self, question: str, assumed: str, otherwise: str, rank: int) -> None:
-        self._doubts.append(OpenDoubt(question, assumed, otherwise, rank))
+        self._doubts.append(OpenDoubt(question, assumed, Stake(otherwise, rank)))
 
     def _usable(self, groups: Sequence[ComponentColumns]) -> list[ComponentColumns]:
         """Return the groups whose cells are numbers, mostly, and that speak of the head at all."""
@@ -202,8 +202,7 @@ class _LogDraft:
         self._missing()
         rest = [name for name in self._sample.headings if name not in self._used]
         if rest:
-            shown = ", ".join(rest[:12]) + (f" and {len(rest) - 12} more" if rest[12:] else "")
-            draft.note(f"Not taken: {shown}.", "format_version")
+            draft.note(f"Not taken: {listed(rest, 12)}.", "format_version")
 
     def _first_lines(self) -> list[str]:
         encoding = self._sample.read.encoding or "utf-8"
@@ -297,7 +296,7 @@ class _LogDraft:
             self._draft.put("position_m", list(STANDING_M))
             question = "No column says where the head was: is it to stand still?"
             assumed = f"it is, {STANDING_M[1]} m above the floor"
-            return [OpenDoubt(question, assumed, "nothing moves past the head", 60)]
+            return [OpenDoubt(question, assumed, Stake("nothing moves past the head", 60))]
         names = [self._position.columns[axis] for axis in "xyz"]
         up = names["xyz".index(program.axes.up[-1])]
         unit = _length_unit(self._values(up), names)
@@ -332,7 +331,7 @@ class _LogDraft:
             question = f"Are the angles in degrees or radians? They go up to {high:.3g}."
             assumed = {"deg": "degrees", "rad": "radians"}[unit]
             wrong = "turns would be 57 times as large or as small"
-            doubts.append(OpenDoubt(question, assumed, wrong, 85))
+            doubts.append(OpenDoubt(question, assumed, Stake(wrong, 85)))
         return doubts
 
     def _angle_unit(self, names: Sequence[str], high: float) -> tuple[Literal["deg", "rad"], bool]:

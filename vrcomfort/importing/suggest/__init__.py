@@ -7,7 +7,6 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
@@ -23,6 +22,7 @@ from vrcomfort.importing.suggest.draft import (
     ROWS,
     OpenDoubt,
     TomlDraft,
+    listed,
     pattern_of,
     write_doubts,
 )
@@ -117,12 +117,10 @@ def suggest_mapping(
     words = LabVocabulary([*map(read_vocabulary, vocabularies)]) if vocabularies else None
     known = Known((*(own or {}).values(), *usual_instruments()), words or shipped_vocabulary())
     read = with_codebooks([table for file in files for table in _tables(file, known)])
-    taken, refused = _suggested(files, own or {}, known, read)
-    every = {file.name for file in files}
-    for but in ({refused} & every, every) if taken.imported is None else ():
-        without, _ = _suggested(files, own or {}, known, read, but)
-        if without.imported is not None:
-            return without
+    taken = _suggested(files, own or {}, known, read)
+    if taken.imported is None:
+        without = _suggested(files, own or {}, known, read, left_over=False)
+        return taken if without.imported is None else without
     return taken
 
 
@@ -131,15 +129,10 @@ def _suggested(
     own: Mapping[str, Instrument],
     known: Known,
     read: Sequence[SourceTable],
-    but: Collection[str] = (),
-) -> tuple[Suggestion, str]:
-    """Write a mapping; return it, and the name of the file that it is refused for.
-
-    Parameters
-    ----------
-    but
-        Names of files of which the columns that no rule knows are left out.
-    """
+    *,
+    left_over: bool = True,
+) -> Suggestion:
+    """Write a mapping, with the columns that no rule knows or without them."""
     excluded, left_out = excluded_files(read, known.vocabulary)
     read = [table for table in read if table.file not in excluded]
     groups: dict[tuple[object, ...], list[SourceTable]] = {}
@@ -148,59 +141,66 @@ def _suggested(
         groups.setdefault((table.headings, rows), []).append(table)
     drafts = joined([TableDraft(tables, known) for tables in groups.values()], known)
     alone = len(drafts) == 1 or all(draft.people is None for draft in drafts)
-    drafts = [d if {*d.files} & {*but} else with_left_over(d, known, alone=alone) for d in drafts]
-    useful = without_nobodys([d for d in drafts if d.gives and not _explains(d, read)] or drafts)
+    if left_over:
+        drafts = [with_left_over(draft, known, alone=alone) for draft in drafts]
+    books = [d for d in drafts if d.people is None and is_codebook(d.table, read)]
+    useful = without_nobodys([d for d in drafts if d.gives and d not in books] or drafts)
     say_names_of_files(useful)
     say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)
     say_moments_of_files(useful, known.vocabulary)
     say_baselines(useful)
     say_others(useful)
-    top = TomlDraft({"format_version": 1, "name": files[0].stem})
-    if own:
-        top.put("instruments", list(own))
-    labels = {name: label for draft in useful for name, label in draft.labels.items()}
-    if any(name != label for name, label in labels.items()):
-        top.put("condition_labels", labels)
-    for line in _TOP:
-        top.note(line, "format_version")
-    _declare(top, useful)
-    ignored = _ignored_sheets(top, drafts, useful, excluded)
-    top.lists["tables"] = [draft.draft for draft in useful]
+    top = _top(files, own, useful)
     levels = {name: said for draft in useful for name, said in draft.levels.items()}
     if len({frozenset(said) for said in levels.values()}) == 1:
         top.tables["condition_levels"] = TomlDraft(dict(levels))
-    imported, refusal = _tried(top, files, [*own.values()])
+    ignored = _ignored_sheets(top, drafts, useful, excluded)
+    top.lists["tables"] = [draft.draft for draft in useful]
+    imported, refusal = _tried(top, files, own)
     if levels and (imported is None or {*imported.conditions} != levels.keys()):
         top.tables.pop("condition_levels", None)
-        imported, refusal = _tried(top, files, [*own.values()])
-    if imported is None and (
-        say_contradictions(useful) or count_exposures(useful, refusal.message)
-    ):
-        imported, refusal = _tried(top, files, [*own.values()])
+        imported, refusal = _tried(top, files, own)
+    if refusal is not None and (say_contradictions(useful) or count_exposures(useful, refusal)):
+        imported, refusal = _tried(top, files, own)
     if again := _said_again(useful, imported):
         useful = [draft for draft in useful if draft not in again]
         ignored = _ignored_sheets(top, drafts, useful, excluded)
         top.lists["tables"] = [draft.draft for draft in useful]
-        imported, refusal = _tried(top, files, [*own.values()])
+        imported, refusal = _tried(top, files, own)
     if imported is not None and say_same_people(useful, imported):
-        imported, refusal = _tried(top, files, [*own.values()])
+        imported, refusal = _tried(top, files, own)
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
     doubts += [*ignored, *left_out, *_unanswered(drafts, known)]
-    for draft in (draft for draft in useful if {*draft.files} & {*but}):
+    for draft in useful if not left_over else ():
         doubts += ask_to_leave_out(draft.table, dict.fromkeys(draft.left, _REFUSED_WITH))
     doubts += _ask_of_lost(imported) if imported is not None else ()
-    if refusal:
-        doubts.append(OpenDoubt(_REFUSAL, refusal.message, *REFUSED))
+    if refusal is not None:
+        # The user has the files, and not the lines of a mapping that is not written yet.
+        message = refusal.message if refusal.file is None else str(refusal)
+        doubts.append(OpenDoubt(_REFUSAL, message, REFUSED))
     asked = write_doubts(top, doubts)
     notes = tuple(dict.fromkeys(note for table in read for note in table.notes))
-    found = Suggestion(
+    return Suggestion(
         escape_surrogates(top.text()),
         tuple(doubt.words for doubt in asked),
         len(top.lists.get("guesses", ())),
         notes,
         imported,
     )
-    return found, refusal.file
+
+
+def _top(files: Sequence[Path], own: Collection[str], drafts: Sequence[TableDraft]) -> TomlDraft:
+    """Draft what the mapping says before its tables."""
+    top = TomlDraft({"format_version": 1, "name": files[0].stem})
+    if own:
+        top.put("instruments", list(own))
+    labels = {name: label for draft in drafts for name, label in draft.labels.items()}
+    if any(name != label for name, label in labels.items()):
+        top.put("condition_labels", labels)
+    for line in _TOP:
+        top.note(line, "format_version")
+    _declare(top, drafts)
+    return top
 
 
 def _ask_of_lost(imported: Imported) -> Iterator[OpenDoubt]:
@@ -210,21 +210,17 @@ def _ask_of_lost(imported: Imported) -> Iterator[OpenDoubt]:
         texts = [*dict.fromkeys(text for each in lost for text in each.texts)]
         names = [each.table for each in lost]
         rows, of = sum(each.rows for each in lost), sum(each.of for each in lost)
-        what = f"{rows} of {of} rows of {_shown(names)} ({_shown([*map(repr, texts)])})"
+        shown = listed([*map(repr, texts)], _SHOWN)
+        what = f"{rows} of {of} rows of {listed(names, _SHOWN)} ({shown})"
         question = f"May {what} be left out? They are in no questionnaire."
-        yield OpenDoubt(question, "yes", *LOST)
+        yield OpenDoubt(question, "yes", LOST)
     if len(imported.silent) * _FEW_IN > len(imported.participants):
         who = f"{len(imported.silent)} of {len(imported.participants)} participants"
-        question = f"Have {who} no answers ({_shown(imported.silent)})?"
-        yield OpenDoubt(question, "they have none", *LOST)
+        question = f"Have {who} no answers ({listed(imported.silent, _SHOWN)})?"
+        yield OpenDoubt(question, "they have none", LOST)
 
 
 _FEW_IN, _SHOWN = 20, 5
-
-
-def _shown(names: Sequence[str]) -> str:
-    more = f" and {len(names) - _SHOWN} more" if names[_SHOWN:] else ""
-    return ", ".join(names[:_SHOWN]) + more
 
 
 def _declare(top: TomlDraft, drafts: Sequence[TableDraft]) -> None:
@@ -273,16 +269,11 @@ def _unanswered(drafts: Sequence[TableDraft], known: Known) -> list[OpenDoubt]:
         OpenDoubt(
             f"The files name the {each.short}, but no answers to it were found: are there none?",
             "there are none; else say under tables.questionnaires which columns hold them",
-            *ROWS,
+            ROWS,
         )
         for each in known.instruments
         if each.name in named
     ]
-
-
-def _explains(draft: TableDraft, read: Sequence[SourceTable]) -> bool:
-    """Return whether a table without people says what the columns of another are."""
-    return draft.people is None and is_codebook(draft.table, read)
 
 
 def _tables(file: Path, known: Known) -> list[SourceTable]:
@@ -379,27 +370,16 @@ def _ignored_sheets(
             top.put(f"ignore_{what}", [*map(pattern_of, dict.fromkeys(names))])
             shown = ", ".join(dict.fromkeys(others))
             question = f"May the {what} {shown} be left out? No answers were understood in them."
-            doubts.append(OpenDoubt(question, "yes", *ROWS))
+            doubts.append(OpenDoubt(question, "yes", ROWS))
     return doubts
 
 
-class _Refusal(NamedTuple):
-    """Why the import refuses a mapping, and the name of the file at fault."""
-
-    message: str = ""
-    file: str = ""
-
-    def __bool__(self) -> bool:
-        return bool(self.message)
-
-
 def _tried(
-    top: TomlDraft, files: Sequence[Path], own: Sequence[Instrument]
-) -> tuple[Imported | None, _Refusal]:
-    """Import the files by the mapping; return the import, or the reason of its refusal."""
+    top: TomlDraft, files: Sequence[Path], own: Mapping[str, Instrument]
+) -> tuple[Imported, None] | tuple[None, InputError]:
+    """Import the files by the mapping; return the import, or its refusal."""
     try:
-        return import_files(files, parse_mapping(top.text(), None), own), _Refusal()
+        mapping = parse_mapping(top.text(), None)
+        return import_files(files, mapping, [*own.values()]), None
     except InputError as error:
-        # The user has the files, and not the lines of a mapping that is not written yet.
-        message = str(error) if error.file is not None else error.message
-        return None, _Refusal(message, Path(error.file or "").name)
+        return None, error

@@ -8,11 +8,10 @@ from typing import Any, Generic, TypeVar
 
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.block_conditions import (
-    are_weights,
+    A_PRODUCT,
+    A_WEIGHT,
     comparisons,
-    without_products,
-    without_repeats,
-    without_turned,
+    without_made,
 )
 from vrcomfort.importing.suggest.evidence import texts
 from vrcomfort.importing.suggest.heading_roles import Roles
@@ -101,17 +100,11 @@ class AnswerColumns:
         self._known = {each.name for each in known.instruments}
         self.taken: set[int] = set()
         """Columns of answers."""
-        self.repeated: list[int] = []
-        """Those that say again what others say."""
-        self.turned: list[int] = []
-        """Those that are answers the other way round."""
-        self.products: list[int] = []
-        """Those of answers times their weights."""
         self.codes: list[str] = []
         """Words for conditions in the headings of the lab's own questions."""
-        self.weights = comparisons(table, known)
-        """Those of the weights alone, or of the comparisons that they come from."""
-        self.taken.update(self.weights)
+        self.made = dict.fromkeys(comparisons(table, known), A_WEIGHT)
+        """Column that is made of others, or of the comparisons of items → what it is."""
+        self.taken.update(self.made)
         # "Marca temporal" is no temporal demand: a program writes it, and nobody answers it.
         roles = [known.vocabulary.roles.get(plain(heading)) for heading in table.headings]
         told = [*map(known.vocabulary.told, table.headings)]
@@ -129,16 +122,10 @@ class AnswerColumns:
             else:
                 self._found[layout] = [] if closed else layout.find(table, free, known)
             if layout is BLOCKS:
-                self._found[layout], self.products = without_products(table, self._found[layout])
-                weights = [each for each in self._found[layout] if are_weights(table, each)]
-                self._found[layout] = [e for e in self._found[layout] if e not in weights]
-                self.weights += [c for each in weights for c in each.columns]
-                self._found[layout], self.repeated = without_repeats(table, self._found[layout])
-                self._found[layout], self.turned = without_turned(table, self._found[layout])
-                made = (*self.repeated, *self.products, *self.turned, *self.weights)
+                self._found[layout], made = without_made(table, self._found[layout])
+                self.made |= made
                 self.taken.update(made)
-                self._found[layout] = _without_siblings(self._found[layout])
-            if layout is SCORES and self.products:
+            if layout is SCORES and self.has_products:
                 self._found[layout] = [weighted(each) for each in self._found[layout]]
             self.taken.update(c for each in self._found[layout] for c in each.columns)
 
@@ -171,6 +158,11 @@ class AnswerColumns:
 
     def __bool__(self) -> bool:
         return any(self._found.values())
+
+    @property
+    def has_products(self) -> bool:
+        """Return whether answers times their weights stand beside the answers."""
+        return A_PRODUCT in self.made.values()
 
     @property
     def own(self) -> list[Instrument]:
@@ -214,9 +206,3 @@ def _without_rows(found: Sequence[Long], own: Sequence[Long]) -> list[Long]:
         replace(each, others=[text for text in each.others if text not in taken], beside=names)
         for each in found
     ]
-
-
-def _without_siblings(blocks: Sequence[Found]) -> list[Found]:
-    """Return blocks without siblings that are none of them."""
-    kept = {column for block in blocks for column in block.columns}
-    return [replace(b, siblings=tuple(c for c in b.siblings if c in kept)) for b in blocks]

@@ -6,7 +6,7 @@ They stand in a column beside each block, or in one column that gives them in th
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -126,30 +126,18 @@ def conditions_beside(
     """
     if len(blocks) < 2:
         return []
-    after = (lambda b, d: b.columns[-1] + d, lambda b, d: b.columns[0] - d)
+    free = {c for c in range(len(table.headings)) if c not in taken}
     for distance in range(1, FARTHEST + 1):
-        for place in reversed(after):
-            columns = [_at(place, block, distance, taken, table) for block in blocks]
-            columns = [
-                c if c is not None and _names(table, c, vocabulary) else None for c in columns
-            ]
+        before = [block.columns[0] - distance for block in blocks]
+        after = [block.columns[-1] + distance for block in blocks]
+        for places in (before, after):
+            columns = [c if c in free and _names(table, c, vocabulary) else None for c in places]
             for first in (columns[0], None):
                 found = [first, *columns[1:]]
                 rest = found if first is not None else found[1:]
                 if None not in rest and len(rest) > 1 and _are_alike(table, rest):
                     return found
     return []
-
-
-def _at(
-    place: Callable[[Found, int], int],
-    block: Found,
-    distance: int,
-    taken: Set[int],
-    table: SourceTable,
-) -> int | None:
-    column = place(block, distance)
-    return column if 0 <= column < len(table.headings) and column not in taken else None
 
 
 def _names(table: SourceTable, column: int, vocabulary: LabVocabulary) -> bool:
@@ -188,8 +176,8 @@ def order_column(
     return None
 
 
-def without_repeats(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[Found], list[int]]:
-    """Return the blocks without those that say the same again, and the columns of the latter.
+def _repeated(table: SourceTable, blocks: Sequence[Found]) -> list[Found]:
+    """Return the blocks that say the same as others.
 
     Labs sort the answers of each row by condition, and keep them in their order beside.
     """
@@ -198,19 +186,13 @@ def without_repeats(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[F
     for extra in (0, 1):  # a baseline stands beside the named ones
         others = named[extra:] if extra else named
         if len(numbered) > 1 and len(numbered) == len(others) and _same(table, numbered, others):
-            columns = [column for block in numbered for column in block.columns]
-            return [block for block in blocks if block not in numbered], columns
-    return [*blocks], []
+            return numbered
+    return []
 
 
-def without_turned(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[Found], list[int]]:
-    """Return the blocks without turned copies of items, and the columns of the latter.
-
-    Labs put ``SP2_r``, the highest answer less the one to SP2, beside it.
-    """
-    turned = [b for b in blocks if any(_is_turned(table, b, other) for other in blocks)]
-    columns = [column for block in turned for column in block.columns]
-    return [block for block in blocks if block not in turned], columns
+def _turned(table: SourceTable, blocks: Sequence[Found]) -> list[Found]:
+    """Return turned copies of items: labs put ``SP2_r``, the highest answer less SP2, beside it."""
+    return [b for b in blocks if any(_is_turned(table, b, other) for other in blocks)]
 
 
 def _is_turned(table: SourceTable, block: Found, other: Found) -> bool:
@@ -228,39 +210,47 @@ def _is_turned(table: SourceTable, block: Found, other: Found) -> bool:
     return len({a for a, _ in pairs}) > 1 and bool(sums) and all(s == both for s in sums)
 
 
-def without_products(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[Found], list[int]]:
-    """Return the blocks without those of answers times weights, and the columns of the latter.
+def _products(table: SourceTable, blocks: Sequence[Found]) -> list[Found]:
+    """Return the blocks of answers times weights.
 
     The weights of a task load index are 0 to 5, so its products exceed the highest rating.
     """
-    products = [
+    return [
         block
         for block in blocks
         if any(scale.weights_sum for scale in block.instrument.scales)
         and _are_products([v for c in block.columns for v in values_of(table, c)], block)
     ]
-    columns = [column for block in products for column in block.columns]
-    kept = _with_weights([b for b in blocks if b not in products], table)
-    there = {column for block in kept for column in block.columns}
-    kept = [replace(b, siblings=tuple(c for c in b.siblings if c in there)) for b in kept]
-    return kept, columns
 
 
-def are_weights(table: SourceTable, block: Found) -> bool:
-    """Return whether answers are those to comparisons of the items: they have one sum in each row.
+def _weights(table: SourceTable, blocks: Sequence[Found]) -> list[Found]:
+    """Return the blocks of answers to comparisons of the items: they have one sum in each row.
 
     The weights of the task load index stand in a sheet of their own, under its items' names.
     """
-    scales = [scale for scale in block.instrument.scales if scale.weights_sum]
-    decimal = table.reading.decimal or "."
-    rows = [[number(row[column], decimal) for column in block.columns] for row in table.rows]
-    whole = [[cell for cell in row if cell is not None] for row in rows if None not in row]
-    sums = {sum(row) for row in whole}
-    most = max((cell for row in whole for cell in row), default=0.0)
-    return any(
-        sums == {scale.weights_sum} and most < len(block.columns) and len(whole) > 1
-        for scale in scales
-    )
+    return [block for block in blocks if _sums(table, block, _weights_of(block))]
+
+
+A_WEIGHT, A_PRODUCT = "a weight, or the name of an item", "an answer times its weight"
+
+
+def without_made(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[Found], dict[int, str]]:
+    """Return the blocks of answers; and column → what it is, of those made of others."""
+    columns: dict[int, str] = {}
+    for what, find in (
+        (A_PRODUCT, _products),
+        (A_WEIGHT, _weights),
+        ("the same answers, by their order", _repeated),
+        ("an answer the other way round", _turned),
+    ):
+        made = find(table, blocks)
+        columns |= {column: what for block in made for column in block.columns}
+        blocks = [block for block in blocks if block not in made]
+        if find is _products:
+            blocks = _with_weights(blocks, table)
+    there = {column for block in blocks for column in block.columns}
+    kept = [replace(b, siblings=tuple(c for c in b.siblings if c in there)) for b in blocks]
+    return kept, columns
 
 
 def comparisons(table: SourceTable, known: Known) -> list[int]:

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import CODING, INSTRUMENT, REFUSED, ROWS, OpenDoubt
+from vrcomfort.importing.suggest.draft import CODING, INSTRUMENT, REFUSED, ROWS, OpenDoubt, listed
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 from vrcomfort.questionnaire import Instrument, never_zero, plain, shipped_instruments
 
@@ -112,9 +112,9 @@ def coding_of_texts(
         else:
             words[text] = count
     if broken:
-        shown = ", ".join(broken[:6]) + (" …" if len(broken) > 6 else "")
-        question = f"Why are answers {shown}, where those of {instrument.name} are whole numbers?"
-        found.doubts.append(OpenDoubt(question, "the import will refuse them", *REFUSED))
+        of = f"where those of {instrument.name} are whole numbers"
+        question = f"Why are answers {listed(broken, 6)}, {of}?"
+        found.doubts.append(OpenDoubt(question, "the import will refuse them", REFUSED))
     numbered, shifts = _words(words, values, instrument, found, vocabulary)
     shifts |= _shifts_of(legend, values, instrument, found, vocabulary)
     _numbers(values, instrument, found, shifts, fractions)
@@ -144,7 +144,7 @@ def _rounded(fractions: Sequence[float], instrument: Instrument, found: Coding) 
     if finer:
         step = instrument.answers.step
         question = f"May answers such as {finer[0]:g} be rounded to {step}, as this scale has them?"
-        found.doubts.append(OpenDoubt(question, "they are rounded", *ROWS))
+        found.doubts.append(OpenDoubt(question, "they are rounded", ROWS))
 
 
 def _words(
@@ -175,7 +175,7 @@ def _words(
             answer = _in_two_languages(text, said)
         if plain(text) == "none" and bare and len(words) == 1:
             question = "Is `None` an answer (0) or a missing value? All others are numbers."
-            found.doubts.append(OpenDoubt(question, "it is missing", *CODING))
+            found.doubts.append(OpenDoubt(question, "it is missing", CODING))
             found.missing.append(text)
         elif text.casefold() in vocabulary.missing:
             found.missing.append(text)
@@ -189,7 +189,7 @@ def _words(
             unknown.append(text)
     if len(shifts) > 1:
         question = "The numbers and the words of answers say different things: which are right?"
-        found.doubts.append(OpenDoubt(question, "the words", *CODING))
+        found.doubts.append(OpenDoubt(question, "the words", CODING))
     codes = [code for text in unknown if (code := _CODE.fullmatch(text))]
     if len(codes) == len(unknown) and len({code[1] for code in codes}) == 1:
         for text, code in zip(unknown, codes, strict=True):  # A1, A2 … of survey programs
@@ -201,11 +201,10 @@ def _words(
     odd = {text: words[text] for text in unknown}
     of = sum(words.values()) + sum(values.values())
     if unknown and not ordered and not _are_rare(odd, of, instrument, found):
-        shown = ", ".join(repr(text) for text in unknown[:8]) + (" …" if len(unknown) > 8 else "")
+        shown = listed([*map(repr, unknown)], 8)
         question = f"Which answers of {instrument.name} are the words {shown}?"
-        found.doubts.append(
-            OpenDoubt(question, "none yet: give them under answers, or under missing", *REFUSED)
-        )
+        assumed = "none yet: give them under answers, or under missing"
+        found.doubts.append(OpenDoubt(question, assumed, REFUSED))
     return numbered, shifts if bare else set()
 
 
@@ -222,7 +221,7 @@ def _misspelt(unknown: Sequence[str], said: Mapping[str, int], found: Coding) ->
             rest.append(text)
     if taken:
         question = f"Are these answers misspelt: {', '.join(taken[:6])}?"
-        found.doubts.append(OpenDoubt(question, "they are, as `answers` has them", *CODING))
+        found.doubts.append(OpenDoubt(question, "they are, as `answers` has them", CODING))
     return rest
 
 
@@ -245,7 +244,7 @@ def _are_rare(texts: Mapping[str, int], of: int, instrument: Instrument, found: 
     found.missing += texts
     shown = ", ".join(map(repr, texts))
     question = f"What does {shown} mean, so rare among answers of {instrument.name}?"
-    found.doubts.append(OpenDoubt(question, "nothing: the answer is missing", *CODING))
+    found.doubts.append(OpenDoubt(question, "nothing: the answer is missing", CODING))
     return True
 
 
@@ -314,7 +313,7 @@ def _in_order(
     found.answers = answers
     question = f"Are the answers of {instrument.name} in this order: {' < '.join(ranked)}?"
     assumed = f"they are: {', '.join(f'{text} is {answers[text]}' for text in ranked)}"
-    found.doubts.append(OpenDoubt(question, assumed, *CODING))
+    found.doubts.append(OpenDoubt(question, assumed, CODING))
     return True
 
 
@@ -403,7 +402,7 @@ def _doubled(found: Coding, instrument: Instrument) -> None:
     if doubled:
         shown = "; ".join(" and ".join(words) for words in doubled)
         question = f"Are these one answer of {instrument.name} each: {shown}?"
-        found.doubts.append(OpenDoubt(question, "they are, as `answers` has them", *CODING))
+        found.doubts.append(OpenDoubt(question, "they are, as `answers` has them", CODING))
 
 
 def _without_codes(outside: Sequence[int], instrument: Instrument, found: Coding) -> list[int]:
@@ -414,7 +413,7 @@ def _without_codes(outside: Sequence[int], instrument: Instrument, found: Coding
     if codes:
         shown = ", ".join(map(str, codes))
         question = f"Do the numbers {shown} stand for missing answers? {instrument.name} has none."
-        found.doubts.append(OpenDoubt(question, "they do", *CODING))
+        found.doubts.append(OpenDoubt(question, "they do", CODING))
     return [value for value in outside if value not in codes]
 
 
@@ -443,41 +442,39 @@ def _numbers(
     if rest and low in values and variant is not None:
         found.variant = variant
         question = f"Answers go from {low} to {max(rest)}: is this the {variant.short}?"
-        found.doubts.append(
-            OpenDoubt(question, f"it is, and not comparable with {instrument.short}", *INSTRUMENT)
-        )
+        assumed = f"it is, and not comparable with {instrument.short}"
+        found.doubts.append(OpenDoubt(question, assumed, INSTRUMENT))
     elif len(shifts) == 1 and (shift := min(shifts)) != 0:
         found.coded_from = low + shift
         question = f"Are answers counted from {low + shift}, as the words beside some of them say?"
-        found.doubts.append(
-            OpenDoubt(question, f"they are: {low + shift} stands for {low}", *CODING)
-        )
+        assumed = f"they are: {low + shift} stands for {low}"
+        found.doubts.append(OpenDoubt(question, assumed, CODING))
     elif around_zero:
         found.coded_from = -(high - low) // 2
         question = f"Are the answers {found.coded_from} to {-found.coded_from}, around 0?"
         assumed = f"they are: {found.coded_from} stands for {low}"
-        found.doubts.append(OpenDoubt(question, assumed, *CODING))
+        found.doubts.append(OpenDoubt(question, assumed, CODING))
     elif rest == [low - 1] and high not in values:
         found.coded_from = low - 1
         question = f"Are the answers {low - 1} to {high - 1} in place of {low} to {high}?"
-        found.doubts.append(OpenDoubt(question, f"they are: {low - 1} stands for {low}", *CODING))
+        found.doubts.append(OpenDoubt(question, f"they are: {low - 1} stands for {low}", CODING))
     elif rest == [high + 1] and low not in values:
         found.coded_from = low + 1
         question = f"Are the answers {low + 1} to {high + 1} in place of {low} to {high}?"
-        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}", *CODING))
+        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}", CODING))
     elif rest and not _are_rare(
         {str(value): values[value] for value in rest}, sum(values.values()), instrument, found
     ):
         shown = ", ".join(map(str, rest[:6]))
         question = f"What do the answers {shown} mean? {instrument.name} has {low} to {high}."
-        found.doubts.append(OpenDoubt(question, "the import will refuse them", *REFUSED))
+        found.doubts.append(OpenDoubt(question, "the import will refuse them", REFUSED))
     # The task load index is printed with 21 marks, of which labs type the number.
     elif high >= 100 and 0 < max([*inside, *fractions], default=0) <= 21:
         least, most = min([*inside, *fractions]), max([*inside, *fractions])
         found.times = 100 if fractions and most <= 1 else 10 if most <= 10 else 5
         found.coded_from = 1 if most == 21 else None
         question = f"Answers of {instrument.short} are {low} to {high}, these {least:g} to"
-        doubt = OpenDoubt(f"{question} {most:g}: are they marks?", f"times {found.times}", *CODING)
+        doubt = OpenDoubt(f"{question} {most:g}: are they marks?", f"times {found.times}", CODING)
         found.doubts.append(doubt)
     elif (
         not found.answers
@@ -490,4 +487,4 @@ def _numbers(
             f"None of {count} answers is {low}: are they counted from {low + 1} (with no "
             f"{high + 1} among them), or was {low} never answered?"
         )
-        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}", *CODING))
+        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}", CODING))

@@ -8,7 +8,14 @@ from difflib import SequenceMatcher
 from itertools import combinations
 from math import prod
 
-from vrcomfort.importing.suggest.draft import CONDITIONS, ORDER, PEOPLE, SAME_CONDITION, TIMEPOINTS
+from vrcomfort.importing.suggest.draft import (
+    CONDITIONS,
+    ORDER,
+    PEOPLE,
+    SAME_CONDITION,
+    TIMEPOINTS,
+    listed,
+)
 from vrcomfort.importing.suggest.evidence import (
     BALANCED_WORDS,
     COUNTS_EXPOSURES,
@@ -30,8 +37,8 @@ from vrcomfort.settings import toml_value
 MOST_NAMED, _MOST_SPELLINGS = 5, 60
 _MOST_LEVELS, _FULL_OF = 6, 4
 """Levels of a factor between participants; people of whom one may lack a combination."""
-_FEW_IN = 10
-"""Of so many people, one with several rows of a condition may be two who share a code."""
+FEW_IN = 10
+"""Of so many people, one with several rows may be two who share a code."""
 _WORDS = (BALANCED_WORDS, WORDS_WITHIN_PEOPLE)
 _FIRST = frozenset(["first", "initial", "erste"])
 LONG_WORD, NEAR, RARER = 6, 0.85, 2
@@ -188,18 +195,17 @@ class Conditions(FactDraft):
             self.doubt(question, "one, called `all`", CONDITIONS)
         elif found[0].evidence is COUNTS_EXPOSURES and found[-1].evidence is GROUPS_PEOPLE:
             self._crossover(found[-1].column, found[0].column)
-        elif found[0].column in decided:  # it keeps the role that it has
-            self._context.columns["condition"] = (found[0].column,)
-            column = found[0].column
+        elif (column := found[0].column) in decided:  # it keeps the role that it has
+            self._context.columns["condition"] = (column,)
             said = {"column": self.heading(column), **self.names_of_codes(column)}
             self.found.draft.put("condition", said)
             self.doubt_of(found[0])
-        elif factors := self._with_another(found[0].column):
+        elif factors := self._with_another(column):
             self._cross(factors)
         else:
-            self.use("condition", found[0].column)
-            if found[0].column in self._roles.unknown:
-                self._roles.unknown.remove(found[0].column)
+            self.use("condition", column)
+            if column in self._roles.unknown:
+                self._roles.unknown.remove(column)
             self.doubt_of(found[0])
 
     def _parts_questions(self, column: int) -> bool:
@@ -257,9 +263,7 @@ class Conditions(FactDraft):
         """Take letters of sequences such as AB for the conditions, in their order."""
         orders, numbers = texts(self._table, sequence), sorted(texts(self._table, number))
         alike = {tuple(sorted(order)) for order in orders}
-        if len(alike) != 1 or any(len(order) != len(numbers) > 1 for order in orders):
-            return False
-        if len(numbers) < 2:
+        if len(alike) != 1 or len(numbers) < 2 or {*map(len, orders)} != {len(numbers)}:
             return False
         values = {f"{o}_{n}": letter for o in orders for n, letter in zip(numbers, o, strict=True)}
         names = [self.heading(sequence), self.heading(number)]
@@ -304,12 +308,8 @@ class Conditions(FactDraft):
 
     def _repetitions(self) -> None:
         """Draft a count of exposures where a participant has a condition at a timepoint twice."""
-        runs = (
-            []
-            if "trial" in self._context.columns
-            else candidates("trial", self._roles.unknown, self._context)
-        )
-        if runs:
+        runs = candidates("trial", self._roles.unknown, self._context)
+        if runs and "trial" not in self._context.columns:
             self.use("trial", runs[0].column, count=True)
             self.doubt_of(runs[0])
         if self._context.participant is None or self._context.time is not None:
@@ -372,17 +372,16 @@ class Conditions(FactDraft):
             self._context.used.discard(column)
             self._roles.metadata.append(column)
         self.found.draft.put("trial", {"count": True}, "exposures in the order of the rows")
-        people = ", ".join([*again][:MOST_NAMED])
-        more = f" and {len(again) - MOST_NAMED} more" if len(again) > MOST_NAMED else ""
+        people = listed([*again], MOST_NAMED)
         columns = " (and conditions in a row)" if "condition" in self._answers.said else ""
-        question = f"One condition more than once: {people}{more}. Do rows{columns} stand in the "
+        question = f"One condition more than once: {people}. Do rows{columns} stand in the "
         assumed = "they do; exposures are numbered so"
         same = [each for found in again.values() for each in found if "is the same" in each]
         if same:
             assumed += f" (but {same[0]}: leave it out of the file if it was saved twice)"
-        if len(again) * _FEW_IN <= len(texts(self._table, self._context.participant or 0)):
-            question = f"Has {people} several rows of one condition: is each code one person"
-            self.doubt(f"{question}?", assumed.replace("they do", "it is"), PEOPLE)
+        if len(again) * FEW_IN <= len(texts(self._table, self._context.participant or 0)):
+            question = f"Has {people} several rows of one condition: is each code one person?"
+            self.doubt(question, assumed.replace("they do", "it is"), PEOPLE)
             return
         self.doubt(f"{question}order of time?", assumed, ORDER)
 

@@ -30,9 +30,9 @@ def _without_factor(
     questions: Sequence[OwnQuestion], start: int, end: int | None, vocabulary: LabVocabulary
 ) -> list[OwnQuestion]:
     """Return questions without words at one end that others stand in the place of."""
-    asking = vocabulary.asking.words | vocabulary.asking.sentences
+    asking = vocabulary.asking_words | vocabulary.asking_sentences
     if any(each.how == "measure" for each in questions):
-        asking |= vocabulary.asking.others | vocabulary.measures
+        asking |= vocabulary.asking_others | vocabulary.measures
     asking |= vocabulary.item_fillers
     groups: dict[Context, dict[tuple[str, Context], OwnQuestion]] = defaultdict(dict)
     for each in questions:

@@ -18,7 +18,6 @@ _WIDEST = 90
 
 MOST_ASKED = 5
 """Doubts that a person is asked about at once."""
-_ORDINARY = 50
 
 
 class Stake(NamedTuple):
@@ -26,6 +25,8 @@ class Stake(NamedTuple):
 
     Parameters
     ----------
+    rank
+        How much depends on the answer; the highest ranks are asked.
     instead
         The line to write in that case.
     """
@@ -99,29 +100,20 @@ class OpenDoubt(NamedTuple):
 
     Parameters
     ----------
-    otherwise
-        The consequence if the assumption is wrong.
-    rank
-        How much depends on the answer; the highest ranks are asked.
-    instead
-        The line to write if the assumption is wrong.
     like
         Doubts with one such text are asked as one.
     """
 
     question: str
     assumed: str
-    otherwise: str = ""
-    rank: int = _ORDINARY
-    instead: str = ""
+    stake: Stake
     like: str = ""
 
     @property
     def words(self) -> str:
         """Return the doubt in one line."""
-        wrong = f" If not: {self.otherwise}." if self.otherwise else ""
         stop = "" if self.assumed[-1:] in {".", "…", "?"} else "."
-        return f"{self.question} Assumed: {self.assumed}{stop}{wrong}"
+        return f"{self.question} Assumed: {self.assumed}{stop} If not: {self.stake.otherwise}."
 
 
 @dataclass
@@ -172,6 +164,12 @@ class TomlDraft:
         yield from table._lines(f"{name}.")
 
 
+def listed(names: Sequence[str], most: int, between: str = ", ") -> str:
+    """Return the first names, and how many more there are."""
+    more = f"{between.strip(', ')} and {len(names) - most} more" if names[most:] else ""
+    return between.join(names[:most]) + more
+
+
 def pattern_of(name: str) -> str:
     """Return the pattern of a name of a file or sheet: bytes that are no UTF-8 are any."""
     return re.sub("[\ud800-\udfff]", "?", re.sub(r"[*?[]", r"[\g<0>]", name))
@@ -192,7 +190,7 @@ def write_doubts(draft: TomlDraft, doubts: Iterable[OpenDoubt]) -> list[OpenDoub
 
     One question hardly matters beside five that do, and a person who is asked forty reads none.
     """
-    ranked = sorted(_joined(doubts), key=lambda doubt: -doubt.rank)
+    ranked = sorted(_joined(doubts), key=lambda doubt: -doubt.stake.rank)
     asked, guessed = ranked[:MOST_ASKED], ranked[MOST_ASKED:]
     draft.lists["doubts"] = [TomlDraft({**_said(doubt), "answer": ""}) for doubt in asked]
     if guessed:
@@ -216,7 +214,7 @@ def _joined(doubts: Iterable[OpenDoubt]) -> list[OpenDoubt]:
 
 
 def _said(doubt: OpenDoubt) -> dict[str, object]:
-    said = doubt._asdict()
+    said = {**doubt._asdict(), **doubt.stake._asdict()}
     keys = ("question", "assumed", "otherwise", "instead")
     return {key: said[key] for key in keys if said[key]}
 

@@ -317,13 +317,18 @@ def _differs_within_people(context: Context, column: int) -> bool:
     return 2 * sum(len(counts) > 1 for counts in people) > len(people)
 
 
-def counts_of_people(table: SourceTable, column: int, participant: int) -> list[Counter[str]]:
-    """Return how often each participant of several rows has each text."""
+def texts_of_people(table: SourceTable, column: int, participant: int) -> list[Counter[str]]:
+    """Return for each participant how often each text is in a column."""
     people: dict[str, Counter[str]] = defaultdict(Counter)
     for row in table.rows:
         if row[column]:
             people[row[participant]][row[column]] += 1
-    return [counts for counts in people.values() if counts.total() > 1]
+    return [*people.values()]
+
+
+def counts_of_people(table: SourceTable, column: int, participant: int) -> list[Counter[str]]:
+    """Return how often each participant of several rows has each text."""
+    return [each for each in texts_of_people(table, column, participant) if each.total() > 1]
 
 
 def is_balanced(table: SourceTable, column: int, participant: int | None) -> bool:
@@ -606,11 +611,7 @@ def varies_within(table: SourceTable, column: int, participant: int | None) -> b
     """Return whether a participant has more than one text in a column."""
     if participant is None:
         return len(texts(table, column)) > 1
-    found: dict[str, set[str]] = defaultdict(set)
-    for row in table.rows:
-        if row[column]:
-            found[row[participant]].add(row[column])
-    return any(len(each) > 1 for each in found.values())
+    return any(len(each) > 1 for each in texts_of_people(table, column, participant))
 
 
 def few_texts(table: SourceTable, column: int, most: int = MOST_CONDITIONS) -> bool:

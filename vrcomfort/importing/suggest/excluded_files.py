@@ -37,5 +37,5 @@ def excluded_files(
         if out:
             shown = ", ".join(file.name for file in out)
             question = f"May {shown} be left out, as {why}?"
-            doubts.append(OpenDoubt(question, "yes", *ROWS))
+            doubts.append(OpenDoubt(question, "yes", ROWS))
     return [*tests, *broken], doubts

@@ -28,8 +28,6 @@ class DraftedFacts:
 
     Parameters
     ----------
-    context
-        The decisions on columns.
     unused
         Columns with a heading for a fact that were not taken.
     levels
@@ -110,7 +108,7 @@ class FactDraft:
 
     def doubt(self, question: str, assumed: str, stake: Stake) -> None:
         """Add a question that the files leave open."""
-        self.found.doubts.append(OpenDoubt(question, assumed, *stake))
+        self.found.doubts.append(OpenDoubt(question, assumed, stake))
 
     def doubt_of(self, found: Candidate) -> None:
         """Add the question that a piece of evidence leaves open."""

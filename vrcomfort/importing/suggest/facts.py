@@ -6,7 +6,7 @@ import re
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import chain, combinations
 
 from vrcomfort.importing.suggest.codes import codes_in
 from vrcomfort.importing.suggest.conditions import Conditions
@@ -83,15 +83,8 @@ class _Facts(People):
             if column not in self._context.used:
                 question = f"Why has a participant more than one {self.heading(column)!r}?"
                 self.doubt(question, "it is ignored", CURIOUS)
-        self.found.unused += [
-            column
-            for columns in self._roles.facts.values()
-            for column in columns
-            if column not in self._context.used
-        ]
-        self.found.unused += [
-            c for c in self._roles.covariates.values() if c not in self._context.used
-        ]
+        named = chain(*self._roles.facts.values(), self._roles.covariates.values())
+        self.found.unused += [column for column in named if column not in self._context.used]
 
     def _condition_is_named(self) -> bool:
         """Return whether headings, names of files or a column say the condition."""
@@ -323,7 +316,8 @@ class _Facts(People):
         if self._is_key_of_rows(fact, column) or (fact == "trial" and self._numbers_pages(column)):
             self._roles.metadata.append(column)
             return
-        if fact == "block" and not is_numeric(self._table, column) and not self._has_condition():
+        said = "condition" in self._context.columns or self._condition_is_named()
+        if fact == "block" and not is_numeric(self._table, column) and not said:
             self._roles.unknown.append(column)  # words under Block are what was shown in it
             return
         if fact in {"trial", "period"} and "condition" in self._answers.said:
@@ -354,9 +348,6 @@ class _Facts(People):
             return bool(people) and all(len({*said}) == len(said) for said in people.values())
         return bool(self._roles.facts["timepoint"]) and gaps * 2 > len(people)
 
-    def _has_condition(self) -> bool:
-        return "condition" in self._context.columns or self._condition_is_named()
-
     def _is_key_of_rows(self, fact: str, column: int) -> bool:
         """Return whether a column has another text in each row, as codes of web sessions are."""
         words = texts(self._table, column)
@@ -370,11 +361,8 @@ class _Facts(People):
         how = "exposures in the order of the rows, and in a row of the conditions"
         self.found.draft.put(fact, {"count": True}, how)
         question = f"{self.heading(column)!r} numbers rows of several conditions each. Do rows, and"
-        self.doubt(
-            f"{question} conditions in a row, stand in the order of time?",
-            "they do; exposures are numbered so",
-            ORDER,
-        )
+        question = f"{question} conditions in a row, stand in the order of time?"
+        self.doubt(question, "they do; exposures are numbered so", ORDER)
 
     def _timepoint(self) -> None:
         if "timepoint" in self._answers.said or "timepoint" in self._context.columns:

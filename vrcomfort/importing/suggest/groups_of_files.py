@@ -63,7 +63,7 @@ def say_groups(
                 draft.doubts = [d for d in draft.doubts if not d.question.startswith(_ONE)]
                 shown = "; ".join(f"{name}: {', '.join(g[:3])} …" for name, g in groups.items())
                 question = f"Are people's conditions those of other tables ({shown})?"
-                draft.doubts.append(OpenDoubt(question, "they are, between people", *CONDITIONS))
+                draft.doubts.append(OpenDoubt(question, "they are, between people", CONDITIONS))
                 break
 
 
@@ -114,7 +114,7 @@ def say_moments_of_files(drafts: Sequence[TableDraft], vocabulary: LabVocabulary
         draft.draft.put("timepoint", {"constant": when})
     question = f"Do the names of the files say the moment ({', '.join(said)})?"
     assumed = ", ".join(f"{stem} is {when}" for stem, when in said.items())
-    silent[0][0].doubts.append(OpenDoubt(question, f"they do: {assumed}", *TIMEPOINTS))
+    silent[0][0].doubts.append(OpenDoubt(question, f"they do: {assumed}", TIMEPOINTS))
 
 
 def _without_moment(stem: str, vocabulary: LabVocabulary) -> tuple[str, ...]:

@@ -133,7 +133,7 @@ def _lettered(
             shown = ", ".join(f"{word} {means[word[-1]]}" for word in sorted(words))
             found = [(*c[:place], means[c[place][-1]], *c[place + 1 :]) for c in contexts]
             question = f"Do {' and '.join(sorted(words))} say before and after exposure?"
-            return found, OpenDoubt(question, shown, *TIMEPOINTS)
+            return found, OpenDoubt(question, shown, TIMEPOINTS)
     return [*contexts], None
 
 
@@ -195,7 +195,7 @@ def _later(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
         if each.get("timepoint") == later[0]:
             each["timepoint"] = "recovery"
     question = f"Is {later[0]!r} that long after exposure?"
-    doubts.append(OpenDoubt(question, "it is: the timepoint recovery", *TIMEPOINTS))
+    doubts.append(OpenDoubt(question, "it is: the timepoint recovery", TIMEPOINTS))
 
 
 def _numbered_times(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
@@ -204,11 +204,8 @@ def _numbered_times(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> Non
     if not said:
         return
     shown = _names_of_times(facts, said)
-    doubts.append(
-        OpenDoubt(
-            "Which timepoints are T0, T1 …: before exposure, after it, later?", shown, *TIMEPOINTS
-        )
-    )
+    question = "Which timepoints are T0, T1 …: before exposure, after it, later?"
+    doubts.append(OpenDoubt(question, shown, TIMEPOINTS))
 
 
 def _names_of_times(facts: Sequence[dict[str, str]], said: Sequence[str]) -> str:
@@ -224,7 +221,7 @@ def _name_times(facts: Sequence[dict[str, str]], doubts: list[OpenDoubt]) -> Non
     """Take numbers for timepoints, and ask that in place of their meaning."""
     said = sorted({each["timepoint"] for each in facts}, key=lambda text: (len(text), text))
     shown = _names_of_times(facts, said)
-    doubts[-1] = OpenDoubt(doubts[-1].question, f"timepoints: {shown}", *TIMEPOINTS)
+    doubts[-1] = OpenDoubt(doubts[-1].question, f"timepoints: {shown}", TIMEPOINTS)
 
 
 def _one_baseline(facts: list[dict[str, str]]) -> None:
@@ -238,14 +235,15 @@ def _one_baseline(facts: list[dict[str, str]]) -> None:
 def _two_unnamed(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
     """Take two blocks of the same headings, the second marked with a number, for before, after."""
     bare = [f for f in facts if not f]
-    second = [f for f in facts if set(f) == {"condition"} and _is_second(f["condition"])]
+    second = [f for f in facts if {*f} == {"condition"}]
+    second = [f for f in second if f["condition"].isdecimal() or f["condition"] == "p"]
     if len(facts) == 2 and len(bare) == 1 and len(second) == 1:
         bare[0]["timepoint"] = "baseline"
         second[0].pop("condition")
         second[0]["timepoint"] = "post"
         question = "The same items are asked twice in a row: are these before and after exposure?"
         doubts.append(
-            OpenDoubt(question, "the first columns are baseline, the second post", *TIMEPOINTS)
+            OpenDoubt(question, "the first columns are baseline, the second post", TIMEPOINTS)
         )
 
 
@@ -274,15 +272,10 @@ def _first_before(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
             each.pop("condition", None)
     place = "first" if bare is first else "last"
     question = f"Are the {place} answers, of which no heading says when, {_WHEN[when]} exposure?"
-    doubts.append(OpenDoubt(question, "they are", *TIMEPOINTS))
+    doubts.append(OpenDoubt(question, "they are", TIMEPOINTS))
 
 
 _WHEN = {"baseline": "before", "post": "after"}
-
-
-def _is_second(text: str) -> bool:
-    """Return whether a mark says no more than that this is the other block: ``2``, or ``p``."""
-    return text.isdecimal() or text == "p"
 
 
 def _name_the_rest(
@@ -298,7 +291,7 @@ def _name_the_rest(
             fact = "condition"  # words say the moments
         shown = ", ".join(dict.fromkeys(f["condition"] for f in numbers))
         question = f"What do the numbers {shown} in the headings stand for?"
-        doubts.append(OpenDoubt(question, f"each is a {fact}", *CONDITIONS))
+        doubts.append(OpenDoubt(question, f"each is a {fact}", CONDITIONS))
         for each in numbers:
             each[fact] = each.pop("condition")
         if fact == "timepoint":
@@ -312,7 +305,7 @@ def _name_the_rest(
             alone = said[1:] and sum(tuple(c) == tuple(contexts[place - 1]) for c in contexts) == 1
             each["condition"] = said if alone else f"questionnaire_{place}"
             question = f"Of which condition is questionnaire {place} of a row?"
-            doubts.append(OpenDoubt(question, f"`{each['condition']}`", *CONDITIONS))
+            doubts.append(OpenDoubt(question, f"`{each['condition']}`", CONDITIONS))
 
 
 class Template(NamedTuple):
@@ -375,29 +368,18 @@ def template_of(
 def _split(headings: Mapping[str, str]) -> tuple[str, str, dict[str, str]]:
     """Return the common start and end of all headings, and the rest of each."""
     texts = list(headings.values())
-    left = _common_start(texts)
-    right = _common_start([text[len(left) :][::-1] for text in texts])[::-1]
-    left = left[: len(left) - len(_tail(left))]
-    right = right[len(_head(right)) :]
+    left = common_start(texts)
+    right = common_start([text[len(left) :][::-1] for text in texts])[::-1]
+    # Letters beside the rest may belong to the items.
+    left, right = re.sub(r"[^\W_]+$", "", left), re.sub(r"^[^\W_]+", "", right)
     end = -len(right) or None
     return left, right, {item: text[len(left) : end] for item, text in headings.items()}
 
 
-def _common_start(texts: Sequence[str]) -> str:
+def common_start(texts: Sequence[str]) -> str:
     """Return the letters with which all texts begin."""
     same = takewhile(lambda letters: len(set(letters)) == 1, zip(*texts, strict=False))
     return "".join(letters[0] for letters in same)
-
-
-def _tail(text: str) -> str:
-    """Return the letters at the end, which may belong to the items."""
-    found = re.search(r"[^\W_]+$", text)
-    return found[0] if found else ""
-
-
-def _head(text: str) -> str:
-    found = re.match(r"[^\W_]+", text)
-    return found[0] if found else ""
 
 
 def _fact_of(

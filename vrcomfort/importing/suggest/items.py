@@ -584,17 +584,16 @@ def _runs(table: SourceTable, known: Known) -> list[Found]:
     fits.sort(key=lambda each: (len(each.asked) != length, each.name not in said))
     if len(runs) < 2 or length < FEWEST or not fits:
         return []
-    return [
-        Found(
-            fits[0],
-            (),
-            {
-                item.name: Named(column, fits[0].name, item.name, "position", (), ())
-                for item, column in zip(fits[0].asked, run, strict=False)
-            },
-        )
-        for run in runs
-    ]
+    return [_in_published_order(fits[0], run) for run in runs]
+
+
+def _in_published_order(instrument: Instrument, columns: Sequence[int]) -> Found:
+    """Return a questionnaire whose first items these columns are."""
+    items = {
+        item.name: Named(column, instrument.name, item.name, "position", (), ())
+        for item, column in zip(instrument.asked, columns, strict=False)
+    }
+    return Found(instrument, (), items)
 
 
 _STEPS = 3
@@ -648,9 +647,5 @@ def _by_position(
             run = [*takewhile(fits.__getitem__, range(end, -1, -1))][::-1]
             whole = len(run) == count or (len(run) > count and end == len(fits) - 1)
             if FEWEST <= count < len(table.headings) and whole:
-                items = {
-                    item.name: Named(column, instrument.name, item.name, "position", (), ())
-                    for item, column in zip(instrument.asked, run[-count:], strict=True)
-                }
-                return [Found(instrument, (), items)]
+                return [_in_published_order(instrument, run[-count:])]
     return []

@@ -101,7 +101,7 @@ class KeptRows:
                 self.draft.put("fill_down", names)
                 shown = " and ".join(map(repr, names))
                 question = f"Do the blank cells of {shown} mean what stands above them?"
-                self.doubts.append(OpenDoubt(question, "they do", *PEOPLE))
+                self.doubts.append(OpenDoubt(question, "they do", PEOPLE))
                 return
 
     def _fill(self, column: int) -> None:
@@ -144,7 +144,7 @@ class KeptRows:
                 names = [*self._filled_down(), self.table.headings[column]]
                 self.draft.put("fill_down", names)
                 question = f"Does {names[-1]!r} of a person's first row hold for the others?"
-                self.doubts.append(OpenDoubt(question, "it does", *CONDITIONS))
+                self.doubts.append(OpenDoubt(question, "it does", CONDITIONS))
 
     def _filled_down(self) -> list[str]:
         """Return the headings of columns whose blank cells have been filled so far."""
@@ -200,4 +200,4 @@ class KeptRows:
             question = (
                 f"May the rows with {shown} in {names[column]!r} be left out, as no person's?"
             )
-            self.doubts.append(OpenDoubt(question, "they are left out", *ROWS))
+            self.doubts.append(OpenDoubt(question, "they are left out", ROWS))

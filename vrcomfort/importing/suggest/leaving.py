@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import takewhile
 from typing import Literal, NamedTuple
 
 from vrcomfort.importing.answers import time_in_words_s
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.evidence import texts, values_of
+from vrcomfort.importing.suggest.heading_facts import common_start
+from vrcomfort.importing.suggest.ratings import MINUTES
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 
@@ -42,11 +43,11 @@ def find_leaving(table: SourceTable, columns: Sequence[int], known: Known) -> Fo
     if not found:
         return _left_in_words(table, columns, known.vocabulary)
     headings = [table.headings[column] for column in found]
-    minutes = any({*tokens(heading)} & _MINUTES for heading in headings)
+    minutes = any({*tokens(heading)} & MINUTES for heading in headings)
     unit: Literal["s", "min"] = "min" if minutes else "s"
     if len(found) == 1:
         return FoundLeaving({found[0]: ""}, headings[0], unit)
-    start, end = _common_start(headings), _common_start([each[::-1] for each in headings])[::-1]
+    start, end = common_start(headings), common_start([each[::-1] for each in headings])[::-1]
     said = {
         column: heading.removeprefix(start).removesuffix(end)
         for column, heading in zip(found, headings, strict=True)
@@ -74,13 +75,5 @@ def _left_in_words(
 _FEWEST_LEFT = 2
 
 
-_MINUTES = frozenset(["min", "mins", "minute", "minutes", "minuten"])
-
-
 def _within(label: Sequence[str], words: Sequence[str]) -> bool:
     return any([*words[n : n + len(label)]] == [*label] for n in range(len(words)))
-
-
-def _common_start(texts: Sequence[str]) -> str:
-    same = takewhile(lambda letters: len({*letters}) == 1, zip(*texts, strict=False))
-    return "".join(letters[0] for letters in same)

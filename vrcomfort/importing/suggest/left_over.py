@@ -7,20 +7,25 @@ a rating on a usual scale, or a measurement as it stands. One doubt asks about a
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import ceil, floor
-from typing import NamedTuple
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.made_instruments import MOST, MOST_DECIMALS
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.answer_scales import FEWEST_ANSWERS, is_missing, scale_of
 from vrcomfort.importing.suggest.codings import missing_codes
-from vrcomfort.importing.suggest.draft import CODING, CURIOUS, LEFT, OpenDoubt
-from vrcomfort.importing.suggest.evidence import Context, is_identifier, is_numeric, texts
+from vrcomfort.importing.suggest.draft import CODING, CURIOUS, LEFT, OpenDoubt, listed
+from vrcomfort.importing.suggest.evidence import (
+    Context,
+    is_identifier,
+    is_numeric,
+    texts,
+    texts_of_people,
+)
 from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.items import Found
 from vrcomfort.importing.suggest.own_instruments import USUAL, AnswerRange, TakenFor
@@ -36,16 +41,13 @@ _MOST_ROWS = 200
 """Rows of a person at most: more are a log of the exposure."""
 
 
-class LeftOver(NamedTuple):
-    """What columns are taken for that have no role, and why others are left out."""
-
-    taken: dict[int, TakenFor]
-    reasons: dict[int, str]
-
-
-def left_over(context: Context, columns: Iterable[int]) -> LeftOver:
-    """Return what the columns of numbers are taken for that have no role."""
-    table, found = context.table, LeftOver({}, {})
+def left_over(
+    context: Context, columns: Iterable[int]
+) -> tuple[dict[int, TakenFor], dict[int, str]]:
+    """Return what columns of numbers without a role are taken for, and why others are left out."""
+    table = context.table
+    taken: dict[int, TakenFor] = {}
+    reasons: dict[int, str] = {}
     for column in sorted({*columns} - context.used):
         told = column in context.roles.outcomes
         if _numbers_rows(context, column) and not told:
@@ -53,12 +55,12 @@ def left_over(context: Context, columns: Iterable[int]) -> LeftOver:
         reason = "" if told else _reason(context, column)
         reading = reading_of(table, column, context.vocabulary)
         if reading is not None and not reason:
-            found.taken[column] = reading
+            taken[column] = reading
         elif told:
-            found.reasons[column] = "they are no numbers, and no words with an order"
+            reasons[column] = "they are no numbers, and no words with an order"
         elif is_numeric(table, column):
-            found.reasons[column] = reason or "a number that is too large, or too few of them"
-    return found
+            reasons[column] = reason or "a number that is too large, or too few of them"
+    return taken, reasons
 
 
 def _reason(context: Context, column: int) -> str:
@@ -84,11 +86,9 @@ def _numbers_rows(context: Context, column: int) -> bool:
 
 def _is_of_design(context: Context, column: int) -> bool:
     """Return whether nearly all people have the same numbers, as levels and counts of trials."""
-    who, people = context.participant, defaultdict[str, Counter[str]](Counter)
-    for row in context.table.rows if who is not None else ():
-        if row[column]:
-            people[row[who or 0]][row[column]] += 1
-    sets = Counter(frozenset(each.items()) for each in people.values())
+    who = context.participant
+    people = [] if who is None else texts_of_people(context.table, column, who)
+    sets = Counter(frozenset(each.items()) for each in people)
     usual, count = max(sets.items(), key=lambda each: each[1], default=(frozenset(), 0))
     return len(usual) > 1 and len(people) > 2 and count * 4 >= 3 * len(people)
 
@@ -112,7 +112,7 @@ def reading_of(table: SourceTable, column: int, vocabulary: LabVocabulary) -> Ta
         few = (len(table.rows) - len(rows)) * _STRAY <= len(table.rows)
         return reading_of(replace(table, rows=rows), column, vocabulary) if few else None
     heading = {*tokens(table.headings[column])}
-    measure = heading & (vocabulary.asking.others | vocabulary.measures | vocabulary.units)
+    measure = heading & (vocabulary.asking_others | vocabulary.measures | vocabulary.units)
     halves = all(float(2 * value).is_integer() for value in values)
     flag = {*values} <= {0.0, 1.0}
     usual = scale is not None and scale.usual[:2] in USUAL and scale.usual.high <= _MOST_OF_RATING
@@ -147,10 +147,8 @@ def ask_to_leave_out(table: SourceTable, reasons: Mapping[int, str]) -> list[Ope
     doubts = []
     for reason in dict.fromkeys(reasons.values()):
         own = [table.headings[column] for column, why in reasons.items() if why == reason]
-        shown = ", ".join(map(repr, own[:_SHOWN]))
-        shown += f" and {len(own) - _SHOWN} more" if own[_SHOWN:] else ""
-        question = f"May {shown} be left out ({reason})?"
-        doubts.append(OpenDoubt(question, "yes: they stand under ignore", *CURIOUS))
+        question = f"May {listed([*map(repr, own)], _SHOWN)} be left out ({reason})?"
+        doubts.append(OpenDoubt(question, "yes: they stand under ignore", CURIOUS))
     return doubts
 
 
@@ -162,15 +160,14 @@ def ask_of_left(
     doubts = []
     if remarks:
         question = f"Do {', '.join(map(repr, remarks))} among numbers stand for no answer?"
-        doubts.append(OpenDoubt(question, "they do, as `missing` has them", *CODING))
+        doubts.append(OpenDoubt(question, "they do, as `missing` has them", CODING))
     for how, (what, taken) in _TAKEN_FOR.items():
         left = [item for item, named in found.items.items() if named.how == how]
-        shown = [f"{headings[i]!r} ({answers[i].low} to {answers[i].high})" for i in left[:_SHOWN]]
-        shown += [f"{len(left) - _SHOWN} more"] if left[_SHOWN:] else []
+        shown = [f"{headings[i]!r} ({answers[i].low} to {answers[i].high})" for i in left]
         if left:
-            question = f"No rule knows {', '.join(shown)}: are these {what} of the lab's own?"
+            question = f"No rule knows {listed(shown, _SHOWN)}: are these {what} of the lab's own?"
             like = f"left {found.instrument.name} {how}"
-            doubts.append(OpenDoubt(question, f"they are, {taken}, each an outcome", *LEFT, like))
+            doubts.append(OpenDoubt(question, f"they are, {taken}, each an outcome", LEFT, like))
     return doubts
 
 

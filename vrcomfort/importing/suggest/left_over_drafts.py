@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from vrcomfort.importing.suggest.conditions import FEW_IN
 from vrcomfort.importing.suggest.draft import PEOPLE, OpenDoubt
 from vrcomfort.importing.suggest.evidence import varies_within
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import Known
-
-_FEW_IN = 10
-"""Of so many people one may stand twice in a table that has a row for each."""
 
 
 def _facts_of_people(
@@ -23,7 +21,7 @@ def _facts_of_people(
         names = ", ".join(repr(draft.table.headings[c]) for c in torn)
         assumed = f"it is; {names} differ there, and are left out" if torn else "it is"
         question = f"{', '.join(twice)} has several rows in {draft.files[0]}: is it one person?"
-        found.doubts.append(OpenDoubt(question, assumed, *PEOPLE))
+        found.doubts.append(OpenDoubt(question, assumed, PEOPLE))
     return found
 
 
@@ -40,7 +38,7 @@ def with_left_over(draft: TableDraft, known: Known, *, alone: bool) -> TableDraf
     if not draft.known:
         who = draft.people
         twice = [] if who is None else draft.with_several_rows(who)
-        once = who is not None and len(twice) * _FEW_IN <= len(draft.table.rows)
+        once = who is not None and len(twice) * FEW_IN <= len(draft.table.rows)
         words = draft.words_of_people() if once and not alone else []
         if not (left or words or twice) or (who is None and not alone):
             return draft

@@ -27,7 +27,7 @@ from vrcomfort.importing.suggest.answer_scales import (
 from vrcomfort.importing.suggest.block_conditions import numbered_conditions
 from vrcomfort.importing.suggest.codebooks import BESIDE, TITLE
 from vrcomfort.importing.suggest.crossed_words import crossed, differing
-from vrcomfort.importing.suggest.draft import OWN, OpenDoubt, TomlDraft
+from vrcomfort.importing.suggest.draft import OWN, OpenDoubt, TomlDraft, listed
 from vrcomfort.importing.suggest.evidence import asks_name, is_numeric, texts, varies_within
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
 from vrcomfort.importing.suggest.item_names import How
@@ -164,7 +164,7 @@ class OwnQuestions:
             for said, columns in groups.items()
             if len(columns) >= FEWEST_OF_SERIES and [*columns] == sorted(columns)
         }
-        asking = self._vocabulary.asking.words
+        asking = self._vocabulary.asking_words
         fillers = {"#", *self._apart, *self._vocabulary.units, *_CLOCK}
         names = [[word for word in said if word not in fillers] for said in groups]
         alike: dict[str, list[tuple[Context, list[int]]]] = defaultdict(list)
@@ -282,10 +282,10 @@ class OwnQuestions:
         """Return whether a column's heading asks for an opinion, and its cells are answers."""
         vocabulary, words = self._vocabulary, self._words(column)
         own = {*words} - self._apart
-        sentence = len(words) >= _SENTENCE and bool({*words} & vocabulary.asking.sentences)
-        opinion = sentence or bool(own & vocabulary.asking.words)
+        sentence = len(words) >= _SENTENCE and bool({*words} & vocabulary.asking_sentences)
+        opinion = sentence or bool(own & vocabulary.asking_words)
         said = self._ends(column) is not None
-        others = own & (vocabulary.asking.others | vocabulary.measures)
+        others = own & (vocabulary.asking_others | vocabulary.measures)
         shown = self._is_agreement(column) or column in self._in_grids
         if others and not (sentence or said or shown or {*words} & {"vas", "likert"}):
             return False
@@ -313,7 +313,7 @@ class OwnQuestions:
     def _is_no_answer(self, column: int) -> bool:
         """Return whether a column is a flag, a level, known of a person, or asks how often."""
         pairs = {a + b for a, b in pairwise(self._words(column))}
-        phrase = bool(pairs & self._vocabulary.asking.others)  # how often, wie viele
+        phrase = bool(pairs & self._vocabulary.asking_others)  # how often, wie viele
         flag = self._scales[column].high < _FEWEST_STEPS
         balanced = self._is_balanced(column) and not self._is_agreement(column)
         return flag or phrase or balanced or self._is_of_person(column)
@@ -388,7 +388,7 @@ class OwnQuestions:
         for code, group in groups.items():
             columns = [column for _, column in group if column in self._scales]
             steps = [self._scales[c].high - self._scales[c].low for c in columns]
-            no_codes = vocabulary.asking.others | vocabulary.measures | vocabulary.units
+            no_codes = vocabulary.asking_others | vocabulary.measures | vocabulary.units
             no_codes |= {*vocabulary.numbered, *vocabulary.timepoints, *vocabulary.scale_fillers}
             alike = len(columns) * 5 >= len(group) * 4 and max(steps, default=99) <= 10
             if not alike or len(columns) < FEWEST_OF_SERIES or not {*code} - self._apart:
@@ -480,7 +480,7 @@ class OwnQuestions:
         if not context and len(given) >= _SENTENCE:
             text = self._table.headings[column]
         short = sum(not word.isdecimal() for word in words) < _SENTENCE + len(context)
-        said = {*words} & self._vocabulary.asking.sentences  # I felt content
+        said = {*words} & self._vocabulary.asking_sentences  # I felt content
         code = words[start] if end - start > 1 and short and not said else ""
         return self._made(column, text, context, code)
 
@@ -569,12 +569,11 @@ def ask_about(
     """Return the question whether these are the lab's own, on this scale: all items, or some."""
     items = [item for item in instrument.items if not among or item.name in among]
     answers = {(item.answers.low, item.answers.high) for item in items}
-    shown = ", ".join(map(repr, headings[:_SHOWN]))
-    shown += f" and {len(headings) - _SHOWN} more" if headings[_SHOWN:] else ""
+    shown = listed([*map(repr, headings)], _SHOWN)
     ends = " or ".join(f"{low} to {high}" for low, high in sorted(answers))
     question = f"Are these the lab's own questions: {shown}?"
     assumed = f"they are, with answers from {ends}, the narrowest usual scale of all answers"
-    return OpenDoubt(question, assumed, *OWN, f"own {instrument.name}")
+    return OpenDoubt(question, assumed, OWN, f"own {instrument.name}")
 
 
 _SHOWN = 4

@@ -91,7 +91,7 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
 def _asks_no_opinion(text: str, vocabulary: LabVocabulary) -> bool:
     """Return whether a text in the column of items is of a fact, or of what is no answer."""
     short = len(tokens(text)) < FEWEST_OF_SENTENCE
-    other = {*tokens(text)} & vocabulary.asking.others or plain(text) in vocabulary.roles
+    other = {*tokens(text)} & vocabulary.asking_others or plain(text) in vocabulary.roles
     return short and bool(other)
 
 
@@ -102,8 +102,8 @@ def _is_asked(text: str, group: str, vocabulary: LabVocabulary) -> bool:
     """
     words = {*tokens(text)}
     if len(tokens(text)) >= FEWEST_OF_SENTENCE:
-        return bool(words & vocabulary.asking.sentences)
-    return bool(group or words & vocabulary.asking.words)
+        return bool(words & vocabulary.asking_sentences)
+    return bool(group or words & vocabulary.asking_words)
 
 
 def _statements(table: SourceTable, column: int, items: Sequence[str]) -> dict[str, str]:

@@ -24,6 +24,7 @@ from vrcomfort.importing.suggest.draft import (
     TIMES,
     OpenDoubt,
     TomlDraft,
+    listed,
 )
 from vrcomfort.importing.suggest.evidence import texts
 from vrcomfort.importing.suggest.heading_roles import Roles
@@ -56,18 +57,16 @@ def _mend_items(
         del items[item]
         roles.unknown.append(named.column)
         shown = ", ".join(parts)
-        candidates = [
-            c for c in roles.unknown if may_answer(table, c, block.instrument, vocabulary)
-        ]
-        if len(candidates) == 1:
-            other = candidates[0]
+        free = [c for c in roles.unknown if may_answer(table, c, block.instrument, vocabulary)]
+        if len(free) == 1:
+            (other,) = free
             roles.unknown.remove(other)
             items[item] = Named(other, block.instrument.name, item, "position", (), ())
             assumed = f"`{heading}` is ignored, and {table.headings[other]!r} is {item}"
         else:
             assumed = f"`{heading}` is ignored, and {item} was not asked"
         question = f"{heading!r} is exactly the sum of {shown}: which column is the item {item}?"
-        doubts.append(OpenDoubt(question, assumed, *ITEM))
+        doubts.append(OpenDoubt(question, assumed, ITEM))
     return replace(block, items=items), doubts
 
 
@@ -136,13 +135,7 @@ def draft_block(
     order = [item.name for item in block.instrument.items if item.name in block.items]
     headings = {item: table.headings[block.items[item].column] for item in order}
     doubts += _name_doubts(block, headings)
-    if block.absent:
-        draft.put("not_asked", block.absent)
-        names = ", ".join(block.absent)
-        question = f"No column was found for {names}: were they not asked?"
-        doubts.append(
-            OpenDoubt(question, "they were not (a short form); its scores lack them", *SHORT_FORM)
-        )
+    doubts += _absent(draft, block, "column")
     if block.siblings and {each.how for each in block.items.values()} == {"position"}:
         columns = block.columns
         draft.values.pop("not_asked", None)
@@ -160,8 +153,18 @@ def draft_block(
         own = draft.tables.setdefault("item_coding", TomlDraft())
         own.tables.setdefault(item, TomlDraft()).put("reverse_coded", True)
         question = f"{headings[item]!r} calls its highest number {end!r}: is that the best?"
-        doubts.append(OpenDoubt(question, "it is, so the item is turned round", *DIRECTION))
+        doubts.append(OpenDoubt(question, "it is, so the item is turned round", DIRECTION))
     return draft, doubts
+
+
+def _absent(draft: TomlDraft, block: Found, what: str) -> list[OpenDoubt]:
+    """Write down the items that have no column, or no row, and ask."""
+    if not block.absent:
+        return []
+    draft.put("not_asked", block.absent)
+    question = f"No {what} was found for {', '.join(block.absent)}: were they not asked?"
+    assumed = "they were not (a short form); its scores lack them"
+    return [OpenDoubt(question, assumed, SHORT_FORM)]
 
 
 def _turned_round(table: SourceTable, block: Found, vocabulary: LabVocabulary) -> dict[str, str]:
@@ -194,7 +197,7 @@ def _instrument_doubts(table: SourceTable, block: Found, known: Known) -> list[O
     if not others:
         return []
     question = f"Items of {block.instrument.name.upper()} are items of {', '.join(others)}, too:"
-    return [OpenDoubt(f"{question} which was asked?", block.instrument.name.upper(), *INSTRUMENT)]
+    return [OpenDoubt(f"{question} which was asked?", block.instrument.name.upper(), INSTRUMENT)]
 
 
 def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[OpenDoubt]:
@@ -208,19 +211,18 @@ def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[OpenDoubt]:
         first, last = headings[numbered[0]], headings[numbered[-1]]
         title, citation = block.instrument.title, block.instrument.citation.split(",")[0]
         question = f"Are {first} … {last} in the published order of the {title} ({citation})?"
-        doubts.append(OpenDoubt(question, f"they are: {first} is {numbered[0]}", *ITEM_ORDER, like))
+        doubts.append(OpenDoubt(question, f"they are: {first} is {numbered[0]}", ITEM_ORDER, like))
     if placed := by_how.get("position"):
         first, last = headings[placed[0]], headings[placed[-1]]
         if len(placed) > 1:
             question = f"Are {first} … {last} the {block.instrument.title} in published order?"
             assumed = f"they are: {first} is {placed[0]}"
-            doubts.append(OpenDoubt(question, assumed, *ITEM_ORDER, like))
+            doubts.append(OpenDoubt(question, assumed, ITEM_ORDER, like))
     for hows, what in _UNSURE.items():
         if unsure := [item for how in hows for item in by_how.get(how, ())]:
-            shown = "; ".join(f"{headings[item]!r} is {item}" for item in unsure[:_SHOWN])
-            shown += f"; and {len(unsure) - _SHOWN} more so" if unsure[_SHOWN:] else ""
+            shown = listed([f"{headings[item]!r} is {item}" for item in unsure], _SHOWN, "; ")
             alike = " ".join((block.instrument.name, what, *unsure))
-            doubts.append(OpenDoubt(f"Is it right that {shown}?", f"it is: {what}", *ITEM, alike))
+            doubts.append(OpenDoubt(f"Is it right that {shown}?", f"it is: {what}", ITEM, alike))
     return doubts
 
 
@@ -259,7 +261,7 @@ def _direction_doubts(block: Found, coding: Coding) -> dict[str, OpenDoubt]:
         item.name: OpenDoubt(
             f"Does the highest number of {item.name} mean {item.answers.labels[-1]!r}?",
             f"it does; else add item_coding.{item.name}.reverse_coded = true",
-            *DIRECTION,
+            DIRECTION,
         )
         for item in own
     }
@@ -302,16 +304,11 @@ def draft_long(
         doubts += _instrument_doubts(table, block, known)
     else:
         doubts += _other_instruments(table, long, long.instrument_column[0], known)
-    if block.absent:
-        draft.put("not_asked", block.absent)
-        question = f"No row was found for {', '.join(block.absent)}: were they not asked?"
-        doubts.append(
-            OpenDoubt(question, "they were not (a short form); its scores lack them", *SHORT_FORM)
-        )
+    doubts += _absent(draft, block, "row")
     if long.others and long.instrument_column is None:
-        shown = ", ".join(map(repr, long.others[:8])) + (" …" if len(long.others) > 8 else "")
+        shown = listed([*map(repr, long.others)], 8)
         question = f"May the rows of {shown} be left out, which are no items of this instrument?"
-        doubts.append(OpenDoubt(question, "they are left out", *ROWS))
+        doubts.append(OpenDoubt(question, "they are left out", ROWS))
     draft.tables["items"] = TomlDraft({item: long.items[item] for item in order})
     return draft, doubts
 
@@ -329,7 +326,7 @@ def _other_instruments(
     if not others:
         return []
     question = f"May the rows with {', '.join(others)} in {table.headings[column]!r} be left out?"
-    return [OpenDoubt(question, "they are: no instrument of ours is called so", *ROWS)]
+    return [OpenDoubt(question, "they are: no instrument of ours is called so", ROWS)]
 
 
 def draft_rating(
@@ -361,13 +358,10 @@ def draft_rating(
         heading = text
     draft.tables["items"] = TomlDraft({item.name: heading})
     doubts = list(coding.doubts)
-    if (
-        rating.time is not None
-        and plain(table.headings[rating.time]) not in known.vocabulary.seconds
-    ):
-        heading = table.headings[rating.time]
+    heading = "" if rating.time is None else table.headings[rating.time]
+    if heading and plain(heading) not in known.vocabulary.seconds:
         question = f"Is {heading!r} the time of each rating, in {what} since the exposure began?"
-        doubts.append(OpenDoubt(question, "it is", *TIMES))
+        doubts.append(OpenDoubt(question, "it is", TIMES))
     return draft, doubts
 
 
@@ -398,7 +392,7 @@ def draft_course(
     assumed, stake = f"they are, {what}", ORDER
     if not table.reading.heading_rows:
         assumed, stake = f"they are, {what}, though the file says no times", TIMES
-    return draft, [*coding.doubts, OpenDoubt(question, assumed, *stake, "rating courses")]
+    return draft, [*coding.doubts, OpenDoubt(question, assumed, stake, "rating courses")]
 
 
 def _others_of(heading: str, table: SourceTable, columns: Sequence[int]) -> list[str]:
@@ -418,10 +412,8 @@ def sum_of(
     values = _values(table, column)
     for block in blocks:
         answers = {
-            table.headings[named.column]: _coded_values(
-                table, named.column, block.instrument, known.vocabulary
-            )
-            for named in block.items.values()
+            table.headings[c]: _coded_values(table, c, block.instrument, known.vocabulary)
+            for c in block.columns
         }
         if parts := parts_of(values, answers):
             return parts
@@ -444,22 +436,20 @@ def leftovers(
         elif sum(bool(numbers_in(word)) for word in words) * 2 > len(words):
             several.append(heading)
         elif parts := sum_of(table, column, blocks, known):
-            shown = ", ".join(parts[:3]) + (f" and {len(parts) - 3} more" if parts[3:] else "")
-            reasons[column] = f"the exact (weighted) sum of {shown}"
+            reasons[column] = f"the exact (weighted) sum of {listed(parts, 3)}"
         elif blocks and may_answer(table, column, blocks[0].instrument, known.vocabulary):
             maybe.append(heading)
     if maybe:
-        shown = ", ".join(map(repr, maybe[:6]))
-        shown += f" and {len(maybe) - 6} more" if maybe[6:] else ""
+        shown = listed([*map(repr, maybe)], _SHOWN)
         question = f"These hold what may be answers: {shown}. Is one of them an item?"
-        doubts.append(OpenDoubt(question, "none is, and they are ignored", *CURIOUS))
+        doubts.append(OpenDoubt(question, "none is, and they are ignored", CURIOUS))
     if several:
         shown = ", ".join(map(repr, several))
         named = mentions(shown, known.instruments)
         to = ", ".join(each.short for each in known.instruments if each.name in named)
         question = f"Cells of {shown} hold several numbers each: are these no answers?"
-        what = f"answers to {to} would be missing" if to else CURIOUS.otherwise
-        rank = LOST.rank if to else CURIOUS.rank
+        stake = LOST._replace(otherwise=f"answers to {to} would be missing") if to else CURIOUS
         instead = 'in the table: read = { spread = ["the heading"] }, which makes columns of them'
-        doubts.append(OpenDoubt(question, "they are none, and are ignored", what, rank, instead))
+        stake = stake._replace(instead=instead)
+        doubts.append(OpenDoubt(question, "they are none, and are ignored", stake))
     return reasons, doubts

@@ -278,19 +278,15 @@ def _times_of(
 ) -> list[list[FoundRating]]:
     """Return the time courses, but for ratings whose numbers are those of conditions beside."""
     numbered = numbered_conditions(table, vocabulary)
-    return [
-        course
-        for course in _courses_of(ratings, vocabulary.units)
-        if not fitting([number_in_words(each.context) for each in course], numbered)
-    ]
-
-
-def _courses_of(ratings: Sequence[FoundRating], units: Set[str]) -> list[list[FoundRating]]:
-    """Group ratings by headings that differ in one number alone, such as ``FMS_1 min``."""
     groups: dict[tuple[str, ...], list[FoundRating]] = {}
-    for rating in ratings:
-        place = _time_in(rating.context, units)
+    for rating in ratings:  # headings of a course differ in one number alone: FMS_1 min
+        place = _time_in(rating.context, vocabulary.units)
         if rating.time is None and place is not None:
             rest = tuple("#" if n == place else word for n, word in enumerate(rating.context))
             groups.setdefault((rating.instrument.name, *rest), []).append(rating)
-    return [group for group in groups.values() if len(group) >= FEWEST_TIMES]
+    return [
+        course
+        for course in groups.values()
+        if len(course) >= FEWEST_TIMES
+        if not fitting([number_in_words(each.context) for each in course], numbered)
+    ]

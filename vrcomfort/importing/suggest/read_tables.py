@@ -66,4 +66,4 @@ def draft_reading(tables: Sequence[SourceTable]) -> tuple[TomlDraft, list[OpenDo
     if not read.heading_rows and "heading_rows" in values:
         question = f"{first.file.name} seems to have no headings: is its first row data?"
         asked.append((question, "it is; columns are called column 1, column 2 …"))
-    return draft, [OpenDoubt(question, assumed, *LAYOUT) for question, assumed in asked]
+    return draft, [OpenDoubt(question, assumed, LAYOUT) for question, assumed in asked]

@@ -85,7 +85,7 @@ class SaidByHeadings(KeptRows):
         self._keep_answered(self._answers)
         if codes := self._answers.codes:
             question = f"Do {', '.join(codes)} in headings of the same questions say the condition?"
-            self.doubts.append(OpenDoubt(question, "they do", *CONDITIONS._replace(instead=WHOLE)))
+            self.doubts.append(OpenDoubt(question, "they do", CONDITIONS._replace(instead=WHOLE)))
         others = [c for c in range(len(self.table.headings)) if c not in self._answers.taken]
         self._leaving = find_leaving(self.table, others, known)
         times = self._leaving.columns if self._leaving else {}
@@ -116,7 +116,7 @@ class SaidByHeadings(KeptRows):
             return {}
         shown = " and ".join(f"{factor}" for factor in factors.values())
         question = f"Are the conditions crossed, of the factors {shown}?"
-        self.doubts.append(OpenDoubt(question, "they are", *SAME_CONDITION))
+        self.doubts.append(OpenDoubt(question, "they are", SAME_CONDITION))
         return {
             name: {factor: part[n] for n, factor in factors.items()} for name, part in parts.items()
         }
@@ -133,7 +133,7 @@ class SaidByHeadings(KeptRows):
             if len({*said}) < len(said):
                 self.draft.put("trial", {"count": True}, "exposures in the order of the columns")
                 question = f"One condition twice in a row ({', '.join(said)}): was it shown twice?"
-                self.doubts.append(OpenDoubt(question, "it was", *ORDER))
+                self.doubts.append(OpenDoubt(question, "it was", ORDER))
                 break
         return facts
 
@@ -144,7 +144,7 @@ class SaidByHeadings(KeptRows):
         if len({code[1] for code in codes if code}) != 1 or None in codes:
             return []
         question = f"Are {names[0]} … {names[-1]} participants?"
-        self.doubts.append(OpenDoubt(question, "they are: each has a column", *PEOPLE))
+        self.doubts.append(OpenDoubt(question, "they are: each has a column", PEOPLE))
         return [{"participant": name} for name in names]
 
     def _facts_by_number(self, leading: Layout[Any] | None) -> list[dict[str, str]]:
@@ -166,7 +166,7 @@ class SaidByHeadings(KeptRows):
         first = "they do"
         if None in names:
             first = f"{first}; the first answers, which have none, are before exposure"
-        self.doubts.append(OpenDoubt(f"Do {shown} say the condition {of}?", first, *CONDITIONS))
+        self.doubts.append(OpenDoubt(f"Do {shown} say the condition {of}?", first, CONDITIONS))
         return [{"timepoint": "baseline" if name is None else "post"} for name in names]
 
     def _in_order(self, facts: list[dict[str, str]]) -> set[str]:
@@ -188,7 +188,7 @@ class SaidByHeadings(KeptRows):
         one = texts(self.table, found.column)[0]
         question = f"Does {name!r} give the conditions in the order of the {found.by}s?"
         assumed = f"it does: {one} is {', then '.join(conditions_in(one))}"
-        self.doubts.append(OpenDoubt(question, assumed, *CONDITIONS))
+        self.doubts.append(OpenDoubt(question, assumed, CONDITIONS))
         self.draft.put("participants", {"sequence": name})
         return {"condition"}
 

@@ -8,9 +8,16 @@ from collections.abc import Collection, Mapping, Sequence
 from itertools import combinations
 from typing import Any
 
-from vrcomfort.importing.convert import ANSWERED_AGAIN
-from vrcomfort.importing.rows import Imported, alike
-from vrcomfort.importing.suggest.draft import CURIOUS, ORDER, PEOPLE, SAME_PERSON, OpenDoubt
+from vrcomfort.errors import InputError
+from vrcomfort.importing.rows import AnsweredAgainError, Imported, alike
+from vrcomfort.importing.suggest.draft import (
+    CURIOUS,
+    ORDER,
+    PEOPLE,
+    SAME_PERSON,
+    OpenDoubt,
+    listed,
+)
 from vrcomfort.importing.suggest.shared_codes import OF_EXPOSURES
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.settings import toml_value
@@ -43,10 +50,9 @@ def say_same_people(drafts: Sequence[TableDraft], imported: Imported) -> bool:
         assumed = "they are, as each code has answers that the other lacks: "
         for draft in drafts:
             _rename(draft, one)
-    shown = "; ".join(" and ".join(map(repr, group)) for group in groups[:_SHOWN])
-    shown += f"; and {len(groups) - _SHOWN} more" if groups[_SHOWN:] else ""
+    shown = listed([" and ".join(map(repr, group)) for group in groups], _SHOWN, "; ")
     question = f"Are these participants one person each: {shown}?"
-    doubt = OpenDoubt(question, f"{assumed}values = {toml_value(one)}", *SAME_PERSON)
+    doubt = OpenDoubt(question, f"{assumed}values = {toml_value(one)}", SAME_PERSON)
     drafts[0].doubts.append(doubt)
     return not apart
 
@@ -69,7 +75,7 @@ def say_others(drafts: Sequence[TableDraft]) -> None:
         files = ", ".join(name for draft in others.values() for name in draft.files)
         question = f"People have the same codes in {files}: are they the same people?"
         assumed = "they are not, as age or the like differs"
-        next(iter(others.values())).doubts.append(OpenDoubt(question, assumed, *PEOPLE))
+        next(iter(others.values())).doubts.append(OpenDoubt(question, assumed, PEOPLE))
 
 
 def _count_apart(drafts: Sequence[TableDraft]) -> None:
@@ -81,7 +87,7 @@ def _count_apart(drafts: Sequence[TableDraft]) -> None:
         files = ", ".join(name for draft in counted for name in draft.files)
         question = f"Are rows of {files} of other people each, as their numbers differ?"
         stake = PEOPLE._replace(instead="in each table: participant = { count = true }")
-        counted[0].doubts.append(OpenDoubt(question, "they are", *stake))
+        counted[0].doubts.append(OpenDoubt(question, "they are", stake))
 
 
 COUNTED = {"count": True}
@@ -108,19 +114,19 @@ def say_contradictions(drafts: Sequence[TableDraft]) -> bool:
             what = f"{_leave_out_fact(draft.draft.values, name)!r} of {draft.files[0]}"
             question = f"Another file contradicts {what}: which is right?"
             assumed = "the other: here it is no fact of people"
-            draft.doubts.append(OpenDoubt(question, assumed, *CURIOUS))
+            draft.doubts.append(OpenDoubt(question, assumed, CURIOUS))
     return found
 
 
-def count_exposures(drafts: Sequence[TableDraft], refusal: str) -> bool:
+def count_exposures(drafts: Sequence[TableDraft], refusal: InputError) -> bool:
     """Count exposures in the order of the rows, where that is why files are refused; and ask."""
-    if ANSWERED_AGAIN not in refusal:
+    if not isinstance(refusal, AnsweredAgainError):
         return False
     open_ = [d for d in drafts if d.known and not {"trial", "left_at"} & d.draft.values.keys()]
     for draft in open_:
         draft.draft.put("trial", {"count": True}, "exposures in the order of the rows")
         question = "Do people have several rows of one condition, in the order of time?"
-        draft.doubts.append(OpenDoubt(question, "they do; exposures are numbered so", *ORDER))
+        draft.doubts.append(OpenDoubt(question, "they do; exposures are numbered so", ORDER))
     return bool(open_)
 
 

@@ -141,12 +141,9 @@ _FEWEST_NAMED = 3
 
 def _are_totals(table: SourceTable, column: int, instrument: Instrument) -> bool:
     """Return whether all cells of a column are numbers that a total can be."""
-    scale = scale_named(instrument, instrument.primary)
-    cells = [cell for cell in table.column(column) if cell]
-    values = values_of(table, column)
-    if scale is None or len(values) < max(len(cells), 2):
-        return False
-    return all(on_scale(value, scale, "score") is not None for value in values)
+    count, cells = len(values_of(table, column)), table.column(column)
+    whole = count >= max(2, len(cells) - cells.count(""))
+    return whole and _scored(table, column, instrument.primary, instrument) == 1
 
 
 def _of_instrument(
@@ -236,17 +233,11 @@ def _bare_total(
     """Return the primary scale for ``SSQ 2`` or ``Tunnel / SUS`` whose values are its scores."""
     words = tokens(table.headings[column])
     own = {plain(instrument.name), *tokens(instrument.short)}
-    scale = scale_named(instrument, instrument.primary)
-    if (
-        plain(instrument.name) not in {*words[:1], *words[-1:]}
-        or len(words) > _MOST_WORDS
-        or scale is None
-    ):
+    if plain(instrument.name) not in {*words[:1], *words[-1:]} or len(words) > _MOST_WORDS:
         return None
     values = values_of(table, column)
-    steps = [on_scale(value, scale, "score") is not None for value in values]
     above = any(value > instrument.high and not value.is_integer() for value in values)
-    if not above or not all(steps):
+    if not above or _scored(table, column, instrument.primary, instrument) < 1:
         return None
     return instrument.primary, tuple(word for word in words if word not in own)
 
@@ -255,18 +246,16 @@ def _of_file(
     table: SourceTable, column: int, instrument: Instrument, fillers: Set[str]
 ) -> tuple[str, tuple[str, ...]] | None:
     """Return the primary scale for ``Score`` alone in a file that is called ``SUS``."""
-    scale = scale_named(instrument, instrument.primary)
     bare = {*tokens(table.headings[column])} <= {*fillers, "total"} - {"value"}
     said = instrument.name in named_by_file(table, [instrument])
-    if not bare or not said or scale is None:
+    if not bare or not said:
         return None
-    values = values_of(table, column)
-    above = any(value > instrument.high for value in values)
-    scored = sum(on_scale(value, scale, "score") is not None for value in values)
-    return (instrument.primary, ()) if above and scored * 10 >= len(values) * 8 else None
+    above = any(value > instrument.high for value in values_of(table, column))
+    scored = _scored(table, column, instrument.primary, instrument)
+    return (instrument.primary, ()) if above and scored >= _MOST_SCORED else None
 
 
-_MOST_WORDS = 3
+_MOST_WORDS, _MOST_SCORED = 3, 0.8
 """Of a heading that names an instrument and no scale."""
 
 
@@ -317,14 +306,11 @@ def by_kind(table: SourceTable, found: FoundScores) -> dict[ScoreKind, FoundScor
         return {whole: found}
     kinds: dict[ScoreKind, dict[str, int]] = {}
     for scale, column in found.scales.items():
-        kinds.setdefault(_likelier(table, found, scale), {})[scale] = column
+        kind = kind_of(table, replace(found, scales={scale: column}))
+        kinds.setdefault(kind, {})[scale] = column
     if "other" in kinds:
         return {whole: found}
     return {kind: replace(found, scales=scales) for kind, scales in kinds.items()}
-
-
-def _likelier(table: SourceTable, found: FoundScores, scale: str) -> ScoreKind:
-    return kind_of(table, replace(found, scales={scale: found.scales[scale]}))
 
 
 def kind_of(table: SourceTable, found: FoundScores) -> ScoreKind:

@@ -7,7 +7,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.evidence import few_texts, is_numeric, measures, texts
+from vrcomfort.importing.suggest.evidence import (
+    few_texts,
+    is_numeric,
+    measures,
+    texts,
+    texts_of_people,
+)
 from vrcomfort.importing.suggest.heading_roles import Roles
 
 _PLACES = ("site", "group")
@@ -35,11 +41,8 @@ def is_shown_in_turn(table: SourceTable, column: int, participant: int) -> bool:
 
     They are those of conditions, or judgements of what was shown.
     """
-    people: dict[str, set[str]] = defaultdict(set)
-    for row in table.rows:
-        if row[column]:
-            people[row[participant]].add(row[column])
-    several = sum(len(words) > 1 for words in people.values())
+    people = texts_of_people(table, column, participant)
+    several = sum(len(words) > 1 for words in people)
     short = few_texts(table, column) or is_numeric(table, column)
     return short and several * 5 >= len(people) * 4 > 0
 
@@ -74,9 +77,8 @@ def place_of(table: SourceTable, people: int, roles: Roles, taken: Iterable[int]
 
 def _holds_within(rows: Keyed, place: int, constant: int) -> bool:
     """Return whether nearly nobody of a place has two texts, which are not those of the place."""
-    several = len({(row[place], row[constant]) for _, row in rows}) > len(
-        {r[place] for _, r in rows}
-    )
+    places = {row[place] for _, row in rows}
+    several = len({(row[place], row[constant]) for _, row in rows}) > len(places)
     return several and len(_torn(rows, [constant])) * _RARE <= len({key for key, _ in rows})
 
 

@@ -20,17 +20,11 @@ class Stem(NamedTuple):
 
 def shared_stems(headings: Sequence[str]) -> list[Stem]:
     """Return headings parted behind the longest question that at least three of them share."""
-    ends = [[*(m.end() for m in re.finditer(r"\w+\W*", heading))] for heading in headings]
-    starts = Counter(
-        heading[:end]
-        for heading, places in {
-            h: e[_WORDS - 1 : -1] for h, e in zip(headings, ends, strict=True)
-        }.items()
-        for end in places
-    )
+    ends = {h: [m.end() for m in re.finditer(r"\w+\W*", h)][_WORDS - 1 : -1] for h in headings}
+    starts = Counter(heading[:end] for heading, places in ends.items() for end in places)
     found = []
-    for heading, places in zip(headings, ends, strict=True):
-        shared = [end for end in places[_WORDS - 1 : -1] if starts[heading[:end]] >= _HEADINGS]
+    for heading in headings:
+        shared = [end for end in ends[heading] if starts[heading[:end]] >= _HEADINGS]
         end = max(shared, default=0)
         found.append(Stem(heading[:end], heading[end:]))
     return found

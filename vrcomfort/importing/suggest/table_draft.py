@@ -72,8 +72,6 @@ class TableDraft(SaidByHeadings):
     ----------
     tables
         The tables; the first one's reading is written down.
-    known
-        Instruments that may be meant, and the words of other labs' files.
     left
         Column that nothing else knows → what it is taken for.
     of_person
@@ -111,12 +109,7 @@ class TableDraft(SaidByHeadings):
         self.unanswered = self._answers.named(self._whole, known) - self._answers.instruments
         """Instruments that the file names, and to which it has no answers."""
         self.answered = self._answers.instruments
-        self._made: dict[int, str] = {
-            **dict.fromkeys(self._answers.repeated, "the same answers, by their order"),
-            **dict.fromkeys(self._answers.products, "an answer times its weight"),
-            **dict.fromkeys(self._answers.turned, "an answer the other way round"),
-            **dict.fromkeys(self._answers.weights, "a weight, or the name of an item"),
-        }
+        self._made = {**self._answers.made}
         """Column of a score whose answers are there → why it is ignored."""
         self._write()
 
@@ -232,7 +225,7 @@ class TableDraft(SaidByHeadings):
         self.draft.put("left_at", {**said, "missing": list(stayed)} if stayed else said)
         question = f"Was an exposure that nobody left {planned_s:g} s long?"
         assumed = "it was: who has this time, or none, stayed to the end"
-        self.doubts.append(OpenDoubt(question, assumed, *STAYED))
+        self.doubts.append(OpenDoubt(question, assumed, STAYED))
 
     def _questionnaires(self) -> None:
         drafts: list[TomlDraft] = []
@@ -273,7 +266,7 @@ class TableDraft(SaidByHeadings):
             when = own.get("timepoint", usual)
             if len(said) == 1 and {when, *said} == {"baseline", "post"}:
                 question = f"{names[0]!r} seems to say another moment than {when}: is it?"
-                self.doubts.append(OpenDoubt(question, f"it is {when}", *TIMEPOINTS))
+                self.doubts.append(OpenDoubt(question, f"it is {when}", TIMEPOINTS))
 
     def _in_short(self, drafts: list[TomlDraft]) -> list[TomlDraft]:
         """Merge questionnaires with headings of one template and the same coding."""
@@ -343,9 +336,8 @@ class TableDraft(SaidByHeadings):
                 asked.setdefault(of, []).extend(names)
         for what, names in asked.items():
             question = f"{', '.join(names)}: are these {what}?"
-            self.doubts.append(
-                OpenDoubt(question, f"they are {what}; the answers are not there", *SCORE_KIND)
-            )
+            assumed = f"they are {what}; the answers are not there"
+            self.doubts.append(OpenDoubt(question, assumed, SCORE_KIND))
         if drafts:
             self.draft.lists["scores"] = drafts
 
@@ -373,7 +365,7 @@ class TableDraft(SaidByHeadings):
         self.draft.put("trial", {"count": True}, "exposures in the order of the rows")
         code, person = next(iter(again.items()))
         question = f"Is {code!r} participant {person!r} at another time?"
-        self.doubts.append(OpenDoubt(question, "it is; exposures are numbered", *SAME_PERSON))
+        self.doubts.append(OpenDoubt(question, "it is; exposures are numbered", SAME_PERSON))
 
     @property
     def known(self) -> bool:
@@ -441,7 +433,7 @@ class TableDraft(SaidByHeadings):
     def _asks_how_often(self, column: int) -> bool:
         """Return whether a question asks for a habit of a person."""
         words = tokens(self.table.headings[column])
-        return bool({a + b for a, b in pairwise(words)} & self._vocabulary.asking.others)
+        return bool({a + b for a, b in pairwise(words)} & self._vocabulary.asking_others)
 
     def _say_of_people(self, columns: Collection[int]) -> None:
         """Take columns that nothing else knows for facts of people, and ask."""
@@ -455,7 +447,7 @@ class TableDraft(SaidByHeadings):
             question = (
                 f"No rule knows {shown}, said once of each person: are these facts of people?"
             )
-            self.doubts.append(OpenDoubt(question, "they are, for participants.csv", *LEFT))
+            self.doubts.append(OpenDoubt(question, "they are, for participants.csv", LEFT))
 
     def _unread(self) -> list[int]:
         """Return the columns that nothing was said of, but for those that no analysis needs."""
@@ -471,22 +463,13 @@ class TableDraft(SaidByHeadings):
             if column in self._roles.outcomes
             or (column not in self._made and column not in self._left_out)
             if not sum_of(self.table, column, self._answers[BLOCKS], self._known)
-            if not (self._answers.products and {*tokens(self.table.headings[column])} & sums)
+            if not (self._answers.has_products and {*tokens(self.table.headings[column])} & sums)
         ]
 
     def _ignore(self, exposures: DraftedFacts) -> None:
         """List every column that nothing was said of, with the reason."""
-        rest = [
-            column
-            for column in (
-                *self._roles.metadata,
-                *self._roles.unknown,
-                *exposures.unused,
-                *self._made,
-            )
-            if column not in exposures.context.used and column not in self._left_out
-        ]
-        columns = sorted(set(rest))
+        rest = {*self._roles.metadata, *self._roles.unknown, *exposures.unused, *self._made}
+        columns = sorted(rest - exposures.context.used - self._left_out.keys())
         if not columns:
             return
         known = {*self._roles.metadata, *self._made}
@@ -500,7 +483,7 @@ class TableDraft(SaidByHeadings):
             count = sum(map(is_number, cells))
             if plain(heading) in self._vocabulary.response_labels and count * 20 > len(cells):
                 question = f"Are {count} numbers in {heading!r} no answers, as they are ignored?"
-                self.doubts.append(OpenDoubt(question, "they are none", *LOST))
+                self.doubts.append(OpenDoubt(question, "they are none", LOST))
         for column in columns:
             name = self.table.headings[column]
             reason = reasons.get(column) or self._made.get(column, "")

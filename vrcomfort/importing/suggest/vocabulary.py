@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections import Counter
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
 from itertools import chain, count
 from pathlib import Path
@@ -98,10 +98,9 @@ class FactLabels(Settings):
     scene: Labels = Labels()
 
 
-class IgnoredLabels(Settings):
+class IgnoredLabels(Headings):
     """Headings of columns that no analysis needs."""
 
-    labels: _Words = ()
     words: _Words = ()
     """Words of headings of answers in own words."""
     responses: _Words = ()
@@ -118,14 +117,6 @@ class QuestionLabels(Settings):
     """Words of longer headings, which are sentences."""
     others: _Words = ()
     """Words and phrases that ask no opinion."""
-
-
-class QuestionWords(NamedTuple):
-    """The words of `QuestionLabels`, as `plain` writes them."""
-
-    words: Set[str]
-    sentences: Set[str]
-    others: Set[str]
 
 
 class LongLabels(Settings):
@@ -301,7 +292,8 @@ class LabVocabulary:
         }
         """Heading → texts of trial runs below it."""
         self.measures = _plain_set(merged["measures"]["words"])
-        self.asking = QuestionWords(**{k: _plain_set(w) for k, w in merged["questions"].items()})
+        asked = (merged["questions"][key] for key in ("words", "sentences", "others"))
+        self.asking_words, self.asking_sentences, self.asking_others = map(_plain_set, asked)
         self.leaving = tuple(tuple(tokens(label)) for label in merged["leaving"]["labels"])
         """Labels of leaving times, as words."""
         self.leaving_words = _plain_set(merged["leaving"]["words"])
@@ -311,9 +303,8 @@ class LabVocabulary:
         self.seconds, self.time_words, self.units = map(_plain_set, rated)
         self.numbered = _looked_up(merged["numbered"])
         """Word before a number → fact."""
-        self.condition_fillers = _plain_set(merged["fillers"]["condition"])
-        self.item_fillers = _plain_set(merged["fillers"]["item"])
-        self.scale_fillers = _plain_set(merged["fillers"]["scale"])
+        fillers = (merged["fillers"][key] for key in ("condition", "item", "scale"))
+        self.condition_fillers, self.item_fillers, self.scale_fillers = map(_plain_set, fillers)
         self.scales = {name: _looked_up(words) for name, words in merged["scales"].items()}
         """Instrument → word → scale."""
         self.missing = frozenset(text.casefold() for text in merged["missing"])
