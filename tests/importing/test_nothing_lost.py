@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -60,6 +60,21 @@ def test_a_column_of_lists_is_refused_with_its_row_where_a_cell_is_none(tmp_path
     other = replace(grid, reading=Reading(spread=("IPQ",)))
     with pytest.raises(InputError, match="no column 'IPQ', which is to be spread"):
         as_table(other)
+    with pytest.raises(InputError, match="no cell of 'ID' is a list of numbers"):
+        as_table(replace(grid, reading=Reading(spread=("ID",))))
+
+
+@pytest.mark.parametrize("written", [repr, json.dumps])
+def test_an_object_of_answers_in_a_cell_is_read_as_a_column_for_each_name(
+    written: Callable[[object], str], tmp_path: Path
+) -> None:
+    said = [{f"q{k}": str(1 + (n * k + k) % 5) for k in range(1, 5)} for n in range(12)]
+    rows = [[f"P{n:02}", "ab"[n % 2], written(each)] for n, each in enumerate(said)]
+    file = write(tmp_path / "a.csv", [["participant", "group", "feedback_answers"], *rows])
+    found = suggest_mapping([file]).imported
+    assert found is not None
+    answers = {m.participant: [*r.answers.values()] for (_, m), r in found.responses.items()}
+    assert answers == {f"P{n:02}": [*map(int, each.values())] for n, each in enumerate(said)}
 
 
 def test_rows_that_no_questionnaire_takes_are_asked_about_with_their_number(tmp_path: Path) -> None:

@@ -209,6 +209,8 @@ def _spread(
     place = headings.index(name)
     lists = [numbers_in(row[place]) if place < len(row) else [] for _, row in data]
     count = max(map(len, lists))
+    if not count:
+        raise _fault(grid, f"no cell of {name!r} is a list of numbers, and it cannot be spread")
     rows: list[tuple[int, Sequence[str]]] = []
     for (number, row), found in zip(data, lists, strict=True):
         if len(row) > place and row[place] and len(found) != count:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import codecs
 import csv
 import io
@@ -81,11 +82,18 @@ def _unpack(numbered: list[tuple[int, list[str]]], file: Path) -> None:
 
 
 def _object_in(cell: str, file: Path) -> dict[str, Any]:
-    """Return the object that a cell holds in JSON, or an empty one; Qualtrics' ids are none."""
-    try:
-        found = parse_json(cell, file) if cell[:1] == "{" and cell[-1:] == "}" else {}
-    except InputError:
+    """Return the object that a cell holds in JSON or Python; empty for none, and Qualtrics' ids."""
+    if cell[:1] != "{" or cell[-1:] != "}":
         return {}
+    try:
+        found = parse_json(cell, file)
+    except InputError:
+        try:
+            found = ast.literal_eval(cell)
+        except (ValueError, SyntaxError, MemoryError, RecursionError):
+            return {}
+        if not isinstance(found, dict) or any(isinstance(v, dict | list) for v in found.values()):
+            return {}
     return found if isinstance(found, dict) and "ImportId" not in found else {}
 
 

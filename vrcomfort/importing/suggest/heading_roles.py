@@ -211,8 +211,11 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
         role = IGNORED if table.headings[column] in times else role
         if table.nested and _heaviest(said[:1], vocabulary)[0]:
             weight += _OWN_NAME
-        if outer and merged[outer] > 1 and role not in {*FACTS, IGNORED}:
-            role, weight = _heaviest((inner,), vocabulary)  # Hand tracking / SUS: no handedness
+        cell, _, key = table.headings[column].partition(".")
+        unpacked = role == IGNORED and key and cell in table.headings  # feedback.q1
+        if unpacked or (outer and merged[outer] > 1 and role not in {*FACTS, IGNORED}):
+            last = key if unpacked else inner  # Hand tracking / SUS: no handedness
+            role, weight = _heaviest((last,), vocabulary)
         if role == OUTCOME:
             roles.outcomes.add(column)
         if role in {"", OUTCOME}:
