@@ -67,6 +67,27 @@ def test_an_outcome_is_no_item_of_a_questionnaire(tmp_path: Path) -> None:
     assert "nausea" in items_of(imported)
 
 
+def test_a_sum_and_yes_or_no_are_outcomes_once_the_lab_says_so(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["ID", *ENGLISH, "total", "weight", "sick"]]
+    for n, p in enumerate(PEOPLE):
+        said = [(n * k + k) % 4 for k in range(16)]
+        rows.append([p, *said, sum(said), f"{60 + n},5", "true" if n % 3 else "false"])
+    file = tmp_path / "x.csv"
+    file.write_text("\n".join(";".join(map(str, row)) for row in rows), encoding="utf-8")
+    words = '[outcomes]\nlabels = ["total", "sick"]\n[people]\nlabels = ["weight"]\n'
+    imported = told(file, words)
+    for item, place in (("total", 17), ("sick", 19)):
+        found = {
+            m.participant: r.answers.get(item)
+            for (_, m), r in imported.responses.items()
+            if item in r.answers
+        }
+        assert found == {
+            row[0]: {"true": 1, "false": 0}.get(str(row[place]), row[place]) for row in rows[1:]
+        }
+    assert imported.participants["P02"]["weight"] == "61.5"  # written with the table's comma
+
+
 def test_columns_that_a_lab_calls_peoples_are_facts_named_after_their_headings(
     trials: Path,
 ) -> None:

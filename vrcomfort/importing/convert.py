@@ -389,6 +389,8 @@ class TableImport:
         known = self._imported.participants.setdefault(participant, {})
         for name, column in self._columns.participants.items():
             text = "" if cells[column] in self._mapping.missing else cells[column]
+            if self._table.reading.decimal == "," and number(text, ",") is not None:
+                text = text.replace(",", ".")
             if text and known.get(name) and known[name] != text:
                 message = f"{name} of {participant} is {known[name]!r} elsewhere, {text!r} here"
                 raise self._table.fault(f"{message}; a participant has one", row, column)

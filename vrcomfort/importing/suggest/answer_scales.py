@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import ceil, floor
 
 from vrcomfort.importing.answers import number
@@ -76,6 +76,13 @@ def _read(
     return {text: None if value is None else float(value) for text, value in found.items()}
 
 
+def yes_or_no(texts: Sequence[str], vocabulary: LabVocabulary) -> dict[str, float | None]:
+    """Return 1 for each yes or true, and 0 for each no; none where another text is among them."""
+    if not all(plain(text) in vocabulary.yes_no for text in texts):
+        return {}
+    return {text: float(text[:1].casefold() not in "nf") for text in texts}  # no, nein, false
+
+
 def _are_degrees(words: Iterable[str], vocabulary: LabVocabulary) -> bool:
     """Return whether words say how often, how likely or how much, and not all of them agree."""
     words = [*words]
@@ -89,12 +96,14 @@ def put_coding(
     cells: Iterable[str],
     decimal: str,
     vocabulary: LabVocabulary,
+    flags: dict[str, float | None] | None = None,
 ) -> None:
-    """Write what answers in words mean, and which texts are missing answers."""
+    """Write what answers in words and `flags` mean, and which texts are missing answers."""
     blank = [text for text in cells if text and is_missing(text, vocabulary)]
     seven = max(item.answers.high for item in instrument.items) == _OF_SEVEN
-    given = [text for text in cells if text and text not in blank]
-    read = _read(given, decimal, vocabulary, of_seven=seven)
+    flags = flags or {}
+    given = [text for text in cells if text and text not in {*blank, *flags}]
+    read = _read(given, decimal, vocabulary, of_seven=seven) | flags
     codes = missing_codes([value for value in read.values() if value is not None])
     blank += [text for text, value in read.items() if value in codes]
     if any(value is not None for value in read.values()):  # remarks among numbers

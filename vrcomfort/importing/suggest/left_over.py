@@ -16,7 +16,12 @@ from math import ceil, floor
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.made_instruments import MOST, MOST_DECIMALS
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.answer_scales import FEWEST_ANSWERS, is_missing, scale_of
+from vrcomfort.importing.suggest.answer_scales import (
+    FEWEST_ANSWERS,
+    is_missing,
+    scale_of,
+    yes_or_no,
+)
 from vrcomfort.importing.suggest.codings import missing_codes
 from vrcomfort.importing.suggest.draft import CODING, CURIOUS, LEFT, OpenDoubt, listed
 from vrcomfort.importing.suggest.evidence import (
@@ -54,10 +59,12 @@ def left_over(
             continue
         reason = "" if told else _reason(context, column)
         reading = reading_of(table, column, context.vocabulary)
+        if told and reading is None and yes_or_no(texts(table, column), context.vocabulary):
+            reading = TakenFor(AnswerRange(0, 1), measured=True)
         if reading is not None and not reason:
             taken[column] = reading
         elif told:
-            reasons[column] = "they are no numbers, and no words with an order"
+            reasons[column] = "they are no numbers, no words with an order, and no yes or no"
         elif is_numeric(table, column):
             reasons[column] = reason or "a number that is too large, or too few of them"
     return taken, reasons

@@ -23,6 +23,7 @@ from vrcomfort.importing.suggest.answer_scales import (
     is_missing,
     put_coding,
     scale_of,
+    yes_or_no,
 )
 from vrcomfort.importing.suggest.block_conditions import numbered_conditions
 from vrcomfort.importing.suggest.codebooks import BESIDE, TITLE
@@ -551,7 +552,10 @@ def draft_own(
     """Draft the lab's own questions of one administration."""
     draft = TomlDraft({"instrument": found.instrument.name, **facts})
     cells = [text for c in found.columns for text in texts(table, c)]
-    put_coding(draft, found.instrument, cells, table.reading.decimal or ".", known.vocabulary)
+    decimal, flags = table.reading.decimal or ".", dict[str, float | None]()
+    for column in found.columns:
+        flags |= yes_or_no(texts(table, column), known.vocabulary)
+    put_coding(draft, found.instrument, cells, decimal, known.vocabulary, flags)
     headings = {item: table.headings[named.column] for item, named in found.items.items()}
     draft.tables["items"] = TomlDraft(dict(headings))
     ruled = {item: headings[item] for item, each in found.items.items() if each.how == "name"}

@@ -42,7 +42,7 @@ from vrcomfort.importing.suggest.evidence import (
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.facts import draft_facts
 from vrcomfort.importing.suggest.heading_facts import template_of
-from vrcomfort.importing.suggest.heading_roles import is_personal
+from vrcomfort.importing.suggest.heading_roles import inner_names, is_personal
 from vrcomfort.importing.suggest.items import FoundAnswers
 from vrcomfort.importing.suggest.left_over import ask_to_leave_out, left_over
 from vrcomfort.importing.suggest.own_instruments import TakenFor
@@ -50,7 +50,7 @@ from vrcomfort.importing.suggest.own_questions import ask_about
 from vrcomfort.importing.suggest.questionnaires import leftovers, sum_of
 from vrcomfort.importing.suggest.said_by_headings import OF_WHAT_WAS_USED, SaidByHeadings
 from vrcomfort.importing.suggest.scores import FoundScores, by_kind
-from vrcomfort.importing.suggest.vocabulary import Known, covariate_name, free_name, tokens
+from vrcomfort.importing.suggest.vocabulary import OUTCOME, Known, covariate_name, free_name, tokens
 from vrcomfort.questionnaire import Instrument, plain
 
 
@@ -419,7 +419,9 @@ class TableDraft(SaidByHeadings):
         pairs = zip(self._answers[OWN], facts, strict=True)
         asked = [(each, "condition" in own) for b, own in pairs for each in b.items.values()]
         left = {each.column: has for each, has in asked if each.how in {"left", "measure"}}
-        left = {c: has for c, has in left.items() if c not in self._roles.outcomes}
+        said_of = {c: (self.table.headings[c], *inner_names(self.table.headings[c])) for c in left}
+        told = {c: {*map(self._vocabulary.told, names)} for c, names in said_of.items()}
+        left = {c: has for c, has in left.items() if OUTCOME not in told[c]}
         who = [] if self.people is None else texts(self.table, self.people)
         if len(who) == len(self.table.rows):
             of_people = {*self._roles.covariates.values()}
@@ -461,9 +463,12 @@ class TableDraft(SaidByHeadings):
             column
             for column in (*self._roles.unknown, *measured)
             if column in self._roles.outcomes
-            or (column not in self._made and column not in self._left_out)
-            if not sum_of(self.table, column, self._answers[BLOCKS], self._known)
-            if not (self._answers.has_products and {*tokens(self.table.headings[column])} & sums)
+            or not (
+                column in self._made
+                or column in self._left_out
+                or sum_of(self.table, column, self._answers[BLOCKS], self._known)
+                or (self._answers.has_products and {*tokens(self.table.headings[column])} & sums)
+            )
         ]
 
     def _ignore(self, exposures: DraftedFacts) -> None:
