@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import threading
+import weakref
 from pathlib import Path
 from queue import SimpleQueue
 
@@ -111,6 +112,17 @@ def test_rows_of_frames_are_written_together_before_a_row_that_somebody_waits_fo
         recorder.write(TRIAL)
         assert seconds(recorder.folder) == [0.0, 0.1, 0.2, 0.3, 0.4]
     assert sum(written.get() for _ in range(written.qsize())) == 6
+
+
+def test_no_row_is_kept_once_it_is_written(tmp_path):
+    with Recorder(tmp_path, "P1", 1) as recorder:
+        for index in range(20):
+            row = frame_row(index)
+            written = weakref.ref(row)
+            recorder.write(row)
+            del row
+            recorder.flush()
+            assert written() is None
 
 
 def test_rows_of_frames_wait_no_longer_when_half_of_those_that_may_wait_are_there(

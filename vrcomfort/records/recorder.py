@@ -99,8 +99,9 @@ class BackgroundWriter:
             fault = self._try(rows)
             with self._written:
                 self._fault = self._fault or fault
-                for _ in rows:
+                for _ in range(len(rows)):
                     self._rows.popleft()  # only now: an empty queue says that all is in the files
+                rows.clear()  # the next ones may be long in coming
                 self._written.notify_all()
 
     def _try(self, rows: Sequence[Row]) -> Exception | None:
@@ -110,7 +111,7 @@ class BackgroundWriter:
             return error
         return None
 
-    def _next(self) -> Sequence[Row] | None:
+    def _next(self) -> list[Row] | None:
         """Wait for rows, or until the files are due (then there are none); None at the end."""
         due_in_s, at_once = self._files.due_in_s(), False
         together_s = TOGETHER_S if due_in_s is None else min(due_in_s, TOGETHER_S)
