@@ -98,7 +98,7 @@ class AnswerReader:
             hint = f"write the words of {self._item} the other way round, without reverse_coded"
             raise self._table.fault(f"{message}; {hint}", row, column)
         if answer is None:
-            value = number(text, self._table.reading.decimal or ".")
+            value = number(text, self._table.decimal)
             if value is None:
                 raise self._table.fault(self._no_answer(text), row, column)
             answer = self._stretched(value)

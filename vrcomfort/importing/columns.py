@@ -20,7 +20,7 @@ from vrcomfort.importing.mapping import (
     template_pattern,
     texts_of,
 )
-from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.source import SourceTable, one_line
 from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
 from vrcomfort.settings import did_you_mean
 
@@ -130,7 +130,7 @@ class Columns:
 
     def index(self, heading: str, key: str) -> int:
         """Return the index of a column, and note its use."""
-        name = " ".join(heading.split())
+        name = one_line(heading)
         if name not in self._index:
             near = get_close_matches(name, self._index, n=1, cutoff=0.6)
             hint = f"; did you mean `{near[0]}`?" if near else ""
@@ -237,7 +237,7 @@ class Columns:
         """Return the seconds that a heading says."""
         for name, seconds in (("time_s", 1.0), ("time_min", 60.0)):
             if name in facts:
-                value = number(facts[name], self._table.reading.decimal or ".")
+                value = number(facts[name], self._table.decimal)
                 if value is None:
                     message = f"{facts[name]!r} in a heading is no number, as {name} is"
                     raise self._table.fault(message)
@@ -343,7 +343,7 @@ class Columns:
     def _ignore(self) -> None:
         """See that every column is said something of."""
         for heading in self._mapping.ignore:
-            name = " ".join(heading.split())
+            name = one_line(heading)
             index = self._index.get(name)
             if index is None:
                 continue  # another file of the table may have it
@@ -362,13 +362,13 @@ class _Pieces:
     """Which item a piece of a heading (or a text of a long file) means."""
 
     def __init__(self, items: Mapping[str, tuple[str, ...]], instrument: Instrument | None) -> None:
-        self._exact = {" ".join(t.split()): item for item, texts in items.items() for t in texts}
+        self._exact = {one_line(t): item for item, texts in items.items() for t in texts}
         self._plain = {plain(text): item for text, item in self._exact.items() if plain(text)}
         self._instrument = instrument
 
     def __call__(self, piece: str) -> str | None:
         """Return the item, or None."""
-        text = " ".join(piece.split())
+        text = one_line(piece)
         if self._instrument is not None:
             found = self._instrument.item(text)
             return found.name if found else None

@@ -157,7 +157,7 @@ class TableImport:
     def _end_s(self, leaving: Leaving, text: str, row: int, column: int) -> float:
         if text in {"", *leaving.missing, *self._mapping.missing}:
             return leaving.planned_s
-        value = number(text, self._table.reading.decimal or ".")
+        value = number(text, self._table.decimal)
         in_words_s = time_in_words_s(text)
         if in_words_s is None and (value is None or value < 0):
             message = f"{text!r} is not a time; write texts for participants who stayed"
@@ -287,7 +287,7 @@ class TableImport:
             return
         onset_s = block.onset_s
         if block.time_column is not None:
-            decimal = self._table.reading.decimal or "."
+            decimal = self._table.decimal
             onset_s = number(cells[block.time_column], decimal)
             in_minutes = isinstance(block.source, Questionnaire) and block.source.time_unit == "min"
             onset_s = None if onset_s is None else onset_s * (60 if in_minutes else 1)
@@ -356,7 +356,7 @@ class TableImport:
     ) -> Answer | None:
         if not text or text in self._mapping.missing:
             return None
-        value = number(text, self._table.reading.decimal or ".")
+        value = number(text, self._table.decimal)
         if value is None:
             raise self._table.fault(f"{text!r} is no number, as scores are", row, column)
         found = on_scale(value, scale, kind)

@@ -110,6 +110,11 @@ class SourceTable:
         """Return whether headings are paths in records: ``outer.inner``."""
         return self.file.suffix.lower() in RECORDS
 
+    @property
+    def decimal(self) -> str:
+        """Return the decimal sign of its numbers."""
+        return self.reading.decimal or "."
+
     def column(self, index: int) -> list[str]:
         """Return the cells of a column."""
         return [row[index] for row in self.rows]

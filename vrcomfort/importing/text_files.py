@@ -219,16 +219,11 @@ def _rows(text: str, separator: str, file: Path) -> list[list[str]]:
                 message = f"this table has more than {MOST_CELLS:,} cells up to here"
                 message = f"{message}, a row counting as {A_ROW} more; split it"
                 raise InputError(message, file=file, line=reader.line_num)
-            rows.append([_trimmed(cell) for cell in row])
+            rows.append([cell if cell.isalnum() else one_line(cell) for cell in row])
     except csv.Error as error:
         message = f"not a table: {error}"
         raise InputError(message, file=file, line=reader.line_num) from None
     return rows
-
-
-def _trimmed(cell: str) -> str:
-    """Return a cell with single spaces between its words, and none around it."""
-    return cell if cell.isalnum() else one_line(cell)
 
 
 def decimal_of(rows: list[list[str]], separator: str) -> str:

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from typing import TypeAlias
 
 from vrcomfort.importing.mapping import LabMapping, Questionnaire, TableMapping, texts_of
-from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.source import SourceTable, one_line
 from vrcomfort.questionnaire import Instrument, plain
 from vrcomfort.settings import KeyPath, Problem, did_you_mean
 
@@ -17,8 +17,8 @@ Seen: TypeAlias = Set[tuple[str, str]]
 
 def texts_in(table: SourceTable, mapping: TableMapping) -> Seen:
     """Return the cells of the columns in which the mapping names texts."""
-    named = {_spaced(column) for each in mapping.questionnaires for column in _columns(each)}
-    named |= {_spaced(column) for each in mapping.scores for column in each.where}
+    named = {one_line(column) for each in mapping.questionnaires for column in _columns(each)}
+    named |= {one_line(column) for each in mapping.scores for column in each.where}
     return {
         (heading, text)
         for index, heading in enumerate(table.headings)
@@ -67,7 +67,7 @@ def _columns(each: Questionnaire) -> Iterator[str]:
 def _texts(path: KeyPath, column: str, texts: Iterable[str], cells: Seen) -> Iterator[Problem]:
     there = _of_column(column, cells)
     for text in texts:
-        if _spaced(text) not in there:
+        if one_line(text) not in there:
             yield Problem(path, f"no row has `{text}` under {column}; {_near(text, there)}")
 
 
@@ -79,7 +79,7 @@ def _items(
     there = _of_column(column, cells) - {""}
     keys = {plain(text) for text in there} - {""}
     for item, texts in each.items.items():
-        if not any(_spaced(text) in there or plain(text) in keys for text in texts_of(texts)):
+        if not any(one_line(text) in there or plain(text) in keys for text in texts_of(texts)):
             text = texts_of(texts)[0] if texts_of(texts) else ""
             message = f"no row has `{text}` under {column}; {_near(text, there)}"
             yield Problem((*path, "items", item), message)
@@ -94,7 +94,7 @@ def _items(
 
 
 def _of_column(column: str, cells: Seen) -> Set[str]:
-    return {text for heading, text in cells if heading == _spaced(column)}
+    return {text for heading, text in cells if heading == one_line(column)}
 
 
 def _near(text: str, there: Iterable[str]) -> str:
@@ -102,8 +102,3 @@ def _near(text: str, there: Iterable[str]) -> str:
     known = sorted(set(there) - {""})
     near = get_close_matches(text, known, n=1, cutoff=0.6)
     return f"did you mean `{near[0]}`?" if near else f"it has {', '.join(known[:8]) or 'no text'}"
-
-
-def _spaced(text: str) -> str:
-    """Return a text as cells have it: single spaces, none around it."""
-    return " ".join(text.split())

@@ -45,7 +45,7 @@ from vrcomfort.importing.suggest.same_people import (
     say_contradictions,
     say_others,
     say_same_people,
-    without_nobodys,
+    without_unnamed_people,
 )
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import (
@@ -144,7 +144,7 @@ def _suggested(
     if left_over:
         drafts = [with_left_over(draft, known, alone=alone) for draft in drafts]
     books = [d for d in drafts if d.people is None and is_codebook(d.table, read)]
-    useful = without_nobodys([d for d in drafts if d.gives and d not in books] or drafts)
+    useful = without_unnamed_people([d for d in drafts if d.gives and d not in books] or drafts)
     say_names_of_files(useful)
     say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)
     say_moments_of_files(useful, known.vocabulary)

@@ -26,7 +26,7 @@ def scale_of(
 ) -> AnswerRange | None:
     """Return the lowest and the highest answer of a column; None where it holds no answers."""
     counts = Counter(cell for cell in table.column(column) if not is_missing(cell, vocabulary))
-    read = _read(counts, table.reading.decimal or ".", vocabulary, of_seven=of_seven)
+    read = _read(counts, table.decimal, vocabulary, of_seven=of_seven)
     values = [value for value in read.values() if value is not None]
     if sum(counts.values()) < FEWEST_ANSWERS or len(values) < len(read):
         return None

@@ -198,7 +198,7 @@ def _turned(table: SourceTable, blocks: Sequence[Found]) -> list[Found]:
 def _is_turned(table: SourceTable, block: Found, other: Found) -> bool:
     if block.instrument != other.instrument or not {*block.items} < {*other.items}:
         return False
-    decimal = table.reading.decimal or "."
+    decimal = table.decimal
     both = float(block.instrument.low + block.instrument.high)
     pairs = [
         (number(row[block.items[item].column], decimal), number(row[named.column], decimal))
@@ -298,7 +298,7 @@ def _sums(table: SourceTable, block: Found, weights: Mapping[str, str]) -> bool:
     total = max((scale.weights_sum for scale in block.instrument.scales), default=0)
     if not weights or len(columns) < len(weights):
         return False
-    rows = [[number(row[c], table.reading.decimal or ".") for c in columns] for row in table.rows]
+    rows = [[number(row[c], table.decimal) for c in columns] for row in table.rows]
     full = [[v for v in row if v is not None] for row in rows if None not in row]
     fit = sum(sum(row) == total and max(row) <= _MOST_CHOSEN for row in full)
     return bool(full) and fit * 10 >= len(full) * 8

@@ -61,7 +61,7 @@ def coding_of(
     legend = {
         code: text for c in columns if table.meanings for code, text in table.meanings[c].items()
     }
-    decimal = table.reading.decimal or "."
+    decimal = table.decimal
     return coding_of_texts(cells, instrument, decimal, vocabulary, legend)
 
 

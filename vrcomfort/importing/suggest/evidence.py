@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import NamedTuple
@@ -92,8 +92,8 @@ class CellEvidence(NamedTuple):
     name: str
     weight: int
     test: Callable[[Context, int], bool]
-    question: str = ""
     assumed: str = ""
+    question: str = ""
 
 
 class Candidate(NamedTuple):
@@ -136,7 +136,8 @@ def _tells_people_apart(context: Context, column: int) -> bool:
     asked = {*tokens(table.headings[column])} & (context.vocabulary.item_labels | {"question"})
     if _counts_rows(context, column) or (asked and not named and not table.reading.transpose):
         return False  # QuestionId
-    if is_numeric(table, column) and (_are_ages(words) or _has_fractions(context, column)):
+    whole = all(value.is_integer() for value in values_of(table, column))
+    if is_numeric(table, column) and (_are_ages(words) or not whole):
         return False
     each_row = len(words) == rows
     # Long tables have many rows for each person; without headings or on its side, codes repeat.
@@ -145,11 +146,6 @@ def _tells_people_apart(context: Context, column: int) -> bool:
         table.reading.transpose and column == 0 and len(words) > 1
     )
     return (each_row or few_rows or in_front) and max(map(len, words)) <= LONGEST_CODE
-
-
-def _has_fractions(context: Context, column: int) -> bool:
-    """Return whether a column has other numbers than whole ones; ``1.0`` is whole."""
-    return not all(value.is_integer() for value in values_of(context.table, column))
 
 
 def says_no_person(table: SourceTable, column: int, vocabulary: LabVocabulary) -> bool:
@@ -388,18 +384,13 @@ _FEW_SCENES = 4
 
 
 def _counts_exposures(context: Context, column: int) -> bool:
-    if context.participant is None or column != next(_counted(context), None):
+    facts = (fact for fact in ("trial", "session", "period") if fact in context.columns)
+    finest = next((context.columns[fact][0] for fact in facts), None)
+    if context.participant is None or column != finest:
         return False
     if not all(context.table.column(column)):
         return False  # a count of what some questionnaires alone repeat
     return varies_within(context.table, column, context.participant)
-
-
-def _counted(context: Context) -> Iterator[int]:
-    """Yield the columns that number exposures, the finest number first."""
-    for fact in ("trial", "session", "period"):
-        if fact in context.columns:
-            yield context.columns[fact][0]
 
 
 def _words_without_people(context: Context, column: int) -> bool:
@@ -486,38 +477,33 @@ OTHER_TIMEPOINTS = CellEvidence(
     "timepoint", "a few other texts under its heading", 10, _other_texts_under_timepoint
 )
 BALANCED_WORDS = CellEvidence(
-    "condition", "few words, of which nearly every participant has each", 45, _balanced_words,
-    "Is {heading!r} the condition?", "it is",
-)  # fmt: skip
+    "condition", "few words, of which nearly every participant has each", 45, _balanced_words
+)
 WORDS_WITHIN_PEOPLE = CellEvidence(
-    "condition", "few words that differ within participants", 40, _words_within_people,
-    "Is {heading!r} the condition?", "it is",
-)  # fmt: skip
+    "condition", "few words that differ within participants", 40, _words_within_people
+)
 CODES_IN_ROWS = CellEvidence(
-    "participant", "codes, each in several rows", 25, _codes_in_equally_many_rows,
-    "Does {heading!r} tell participants apart?", "it does",
-)  # fmt: skip
+    "participant", "codes, each in several rows", 25, _codes_in_equally_many_rows
+)
 CODES_UNDER_NAME = CellEvidence(
     "participant", "codes under a heading for names", 20, _codes_of_people,
-    "Does {heading!r} tell participants apart?", "it does; it holds codes, no names of people",
+    "it does; it holds codes, no names of people",
 )  # fmt: skip
 RECURRING_NAMES = CellEvidence(
     "participant", "names, each in several rows", 15, _recurring_names,
-    "Does {heading!r} tell participants apart?", "it does; they are numbered, without their names",
+    "it does; they are numbered, without their names",
 )  # fmt: skip
 CROSSED_CODES = CellEvidence(
-    "participant", "codes that are crossed with words", 32, _meets_all_words,
-    "Does {heading!r} tell participants apart?", "it does",
-)  # fmt: skip
+    "participant", "codes that are crossed with words", 32, _meets_all_words
+)
 CODES = (CROSSED_CODES, CODES_IN_ROWS, CODES_UNDER_NAME, RECURRING_NAMES)
 """Evidence of codes and names that are people's, whatever files are called."""
 COUNTS_EXPOSURES = CellEvidence(
-    "condition", "a number of exposures", 20, _counts_exposures,
-    "Is {heading!r} the condition?", "it is, for want of another",
+    "condition", "a number of exposures", 20, _counts_exposures, "it is, for want of another",
 )  # fmt: skip
 GROUPS_PEOPLE = CellEvidence(
     "condition", "a group of participants", 10, _groups_people,
-    "Is {heading!r} the condition, between participants?", "it is",
+    "it is", "Is {heading!r} the condition, between participants?",
 )  # fmt: skip
 """Together these two are a crossover: the condition is a group's, in each of its exposures."""
 
@@ -525,18 +511,17 @@ CELLS: tuple[CellEvidence, ...] = (
     CROSSED_CODES,
     CellEvidence(
         "participant", "short texts, others for each row or person", 30, _tells_people_apart,
-        "Does {heading!r} tell participants apart?", "it does",
     ),
     CODES_IN_ROWS,
     CellEvidence(
         "participant", "numbers of rows without a heading", 5, _counts_rows,
-        "Does {heading!r} tell participants apart?", "it does, for want of another",
+        "it does, for want of another",
     ),
     CODES_UNDER_NAME,
     RECURRING_NAMES,
     CellEvidence(
         "participant", "the key of each response", 10, _numbers_responses,
-        "Is each row, with a {heading!r} of its own, another person?", "it is",
+        "it is", "Is each row, with a {heading!r} of its own, another person?",
     ),
     CellEvidence("timepoint", "timepoints under their heading", 40, _timepoints_under_heading),
     CellEvidence("timepoint", "two timepoints or more, any heading", 30, _several_timepoints),
@@ -544,32 +529,31 @@ CELLS: tuple[CellEvidence, ...] = (
     OTHER_TIMEPOINTS,
     CellEvidence(
         "trial", "numbers of an order that differs within participants", 20, _order_within_people,
-        "Is {heading!r} the place of an exposure in its order?", "it is, from 1",
+        "it is, from 1", "Is {heading!r} the place of an exposure in its order?",
     ),
     CellEvidence(
         "trial", "texts beside ratings that differ within participants", 10, _runs_of_ratings,
-        "Does {heading!r} tell exposures apart?", "it does",
+        "it does", "Does {heading!r} tell exposures apart?",
     ),
     BALANCED_WORDS,
     WORDS_WITHIN_PEOPLE,
     CellEvidence(
         "condition", "two to four words under a heading for scenes", 35, _few_scenes,
-        "Is {heading!r} the condition?", "it is: no other column says one",
+        "it is: no other column says one",
     ),
     CellEvidence(
         "condition", "few numbers, of which nearly every participant has each", 30,
         _balanced_numbers,
-        "Is {heading!r} the condition?", "it is",
     ),
     COUNTS_EXPOSURES,
     GROUPS_PEOPLE,
     CellEvidence(
         "condition", "a few words, each of as many participants", 8, _balanced_groups,
-        "Is {heading!r} the condition, between participants?", "it is",
+        "it is", "Is {heading!r} the condition, between participants?",
     ),
     CellEvidence(
         "condition", "few words in front, where nothing tells people apart", 5,
-        _words_without_people, "Is {heading!r} the condition?", "it is",
+        _words_without_people,
     ),
     CellEvidence("covariate", "one text for each participant", 10, _constant_within_people),
 )  # fmt: skip
@@ -603,7 +587,7 @@ def texts(table: SourceTable, column: int) -> list[str]:
 
 def values_of(table: SourceTable, column: int) -> list[float]:
     """Return the numbers of a column; other cells are passed over."""
-    read = [number(cell, table.reading.decimal or ".") for cell in table.column(column) if cell]
+    read = [number(cell, table.decimal) for cell in table.column(column) if cell]
     return [value for value in read if value is not None]
 
 

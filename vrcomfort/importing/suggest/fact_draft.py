@@ -20,6 +20,11 @@ from vrcomfort.importing.suggest.evidence import Candidate, Context, texts
 _LACKS = 10
 """A column that is blank in more than one of so many rows lacks some."""
 _STAKES = {"participant": PEOPLE, "condition": CONDITIONS, "timepoint": TIMEPOINTS, "trial": ORDER}
+_ASKED = {
+    "participant": ("Does {heading!r} tell participants apart?", "it does"),
+    "condition": ("Is {heading!r} the condition?", "it is"),
+}
+"""What is asked, and assumed, of a role unless its evidence says it otherwise."""
 
 
 @dataclass
@@ -112,5 +117,7 @@ class FactDraft:
 
     def doubt_of(self, found: Candidate) -> None:
         """Add the question that a piece of evidence leaves open."""
-        question = found.evidence.question.format(heading=self.heading(found.column))
-        self.doubt(question, found.evidence.assumed, _STAKES[found.evidence.role])
+        role = found.evidence.role
+        question, assumed = _ASKED.get(role, ("", ""))
+        question = (found.evidence.question or question).format(heading=self.heading(found.column))
+        self.doubt(question, found.evidence.assumed or assumed, _STAKES[role])

@@ -28,7 +28,8 @@ def heading_facts(
     contexts = [tuple(_unglued(word, vocabulary) for word in each) for each in contexts]
     contexts = _without_numbers(contexts, vocabulary)
     if len(contexts) == 1:
-        return _of_one(contexts[0], vocabulary)
+        when = {vocabulary.timepoints[w] for w in contexts[0] if w in vocabulary.timepoints}
+        return [{"timepoint": when.pop()} if len(when) == 1 else {}], []
     lettered, letters = _lettered(contexts)
     if letters:
         said, others = heading_facts(lettered, vocabulary, numbers=numbers)
@@ -143,13 +144,6 @@ _ENDS = {
 }
 _LETTERS, _GLUED = 3, 2
 """Letters of a timepoint that is known inside a word, and the most before it."""
-
-
-def _of_one(
-    context: tuple[str, ...], vocabulary: LabVocabulary
-) -> tuple[list[dict[str, str]], list[OpenDoubt]]:
-    when = [vocabulary.timepoints[word] for word in context if word in vocabulary.timepoints]
-    return [{"timepoint": when[0]} if len(set(when)) == 1 else {}], []
 
 
 def _facts(

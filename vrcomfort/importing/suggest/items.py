@@ -248,8 +248,7 @@ def _with_ends(
 
 
 def _siblings(block: Found, found: Sequence[Found]) -> tuple[int, ...]:
-    others = (each for each in found if each is not block)
-    alike = (each for each in others if each.instrument is block.instrument)
+    alike = (e for e in found if e.instrument is block.instrument and e is not block)
     return tuple(column for each in alike for column in each.columns)
 
 
@@ -294,7 +293,7 @@ def _answers_otherwise(
     agree = vocabulary.agreement.keys()
     if cells and not ends & agree and all(plain(cell) in agree for cell in cells):
         return True
-    values = [number(cell, table.reading.decimal or ".") for cell in cells]
+    values = [number(cell, table.decimal) for cell in cells]
     beyond = max((value for value in values if value is not None), default=0) > instrument.high + 1
     return named.how == "wording" and beyond
 
@@ -519,7 +518,7 @@ def _is_of_severity(instrument: Instrument) -> bool:
 
 def _fit(table: SourceTable, columns: Sequence[int], instrument: Instrument) -> bool:
     """Return whether most numbers in columns are answers, counted from its lowest or from 1."""
-    decimal = table.reading.decimal or "."
+    decimal = table.decimal
     cells = [cell for column in columns for cell in table.column(column) if cell]
     values = [value for cell in cells if (value := number(cell, decimal)) is not None]
     low, high = float(instrument.low), float(instrument.high)
@@ -633,7 +632,7 @@ def _by_position(
         answers = {*instrument.answers.plain, str(instrument.high + 1), ""}
         if not instrument.answers.plain:  # too many to list
             texts = {text for c in range(len(table.headings)) for text in table.column(c)}
-            read = {text: number(text, table.reading.decimal or ".") for text in texts}
+            read = {text: number(text, table.decimal) for text in texts}
             answers |= {t for t, v in read.items() if v is not None and instrument.answers.has(v)}
         five = instrument.high - instrument.low == 4  # from strong disagreement to agreement
         agreed = {*known.vocabulary.agreement} if five else set()

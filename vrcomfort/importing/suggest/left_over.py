@@ -104,7 +104,7 @@ def reading_of(table: SourceTable, column: int, vocabulary: LabVocabulary) -> Ta
     """Return what a column of numbers, or of words with an order, is taken for."""
     given = texts(table, column)
     words = [text for text in given if not is_missing(text, vocabulary)]
-    numbers = {text: number(text, table.reading.decimal or ".") for text in words}
+    numbers = {text: number(text, table.decimal) for text in words}
     if len(words) < _FEWEST:
         return None
     values = [value for value in numbers.values() if value is not None]

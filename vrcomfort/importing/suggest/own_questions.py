@@ -364,7 +364,7 @@ class OwnQuestions:
 
     def _is_mean(self, column: int, whole: Sequence[int]) -> bool:
         """Return whether a column is the mean of a run of others, wherever these are answered."""
-        decimal = self._table.reading.decimal or "."
+        decimal = self._table.decimal
         values = {c: [number(t, decimal) for t in self._table.column(c)] for c in (column, *whole)}
         ends = range(2, 1 + len(whole))
         for run in (whole[e - n : e] for e in ends for n in range(2, min(e, _MOST_MEANT) + 1)):
@@ -552,10 +552,10 @@ def draft_own(
     """Draft the lab's own questions of one administration."""
     draft = TomlDraft({"instrument": found.instrument.name, **facts})
     cells = [text for c in found.columns for text in texts(table, c)]
-    decimal, flags = table.reading.decimal or ".", dict[str, float | None]()
+    flags: dict[str, float | None] = {}
     for column in found.columns:
         flags |= yes_or_no(texts(table, column), known.vocabulary)
-    put_coding(draft, found.instrument, cells, decimal, known.vocabulary, flags)
+    put_coding(draft, found.instrument, cells, table.decimal, known.vocabulary, flags)
     headings = {item: table.headings[named.column] for item, named in found.items.items()}
     draft.tables["items"] = TomlDraft(dict(headings))
     ruled = {item: headings[item] for item, each in found.items.items() if each.how == "name"}

@@ -80,7 +80,7 @@ def _exceeds(values: Sequence[float | None], instrument: Instrument) -> bool:
 
 
 def _values(table: SourceTable, column: int) -> list[float | None]:
-    return [number(cell, table.reading.decimal or ".") for cell in table.column(column)]
+    return [number(cell, table.decimal) for cell in table.column(column)]
 
 
 def _coded_values(
@@ -88,7 +88,7 @@ def _coded_values(
 ) -> list[float | None]:
     """Return the answers of a column, those in words as numbers."""
     words = coding_of(table, [column], instrument, vocabulary).answers
-    decimal = table.reading.decimal or "."
+    decimal = table.decimal
     return [words.get(cell, number(cell, decimal)) for cell in table.column(column)]
 
 
@@ -290,7 +290,7 @@ def draft_long(
     draft, rows = places_of_rows(table, long, facts)
     columns = long.siblings or (long.response_column,)
     cells = [row[c] for row in rows for c in columns]
-    coding = coding_of_texts(cells, long.instrument, table.reading.decimal or ".", known.vocabulary)
+    coding = coding_of_texts(cells, long.instrument, table.decimal, known.vocabulary)
     _coded(draft, coding)
     named = {
         item: Named(long.item_column, long.instrument.name, item, how, (), ())

@@ -94,7 +94,7 @@ COUNTED = {"count": True}
 """Participants that are the rows of a table."""
 
 
-def without_nobodys(drafts: Sequence[TableDraft]) -> list[TableDraft]:
+def without_unnamed_people(drafts: Sequence[TableDraft]) -> list[TableDraft]:
     """Return drafts without facts of people whom no code names, beside answers of others."""
     answered = [draft for draft in drafts if draft.known]
     named = [d for d in drafts if d.known or d.draft.values.get("participant") != COUNTED]

@@ -292,7 +292,7 @@ def weighted(found: FoundScores) -> FoundScores:
 
 def _numeric(table: SourceTable, column: int) -> bool:
     cells = [cell for cell in table.column(column) if cell]
-    values = [number(cell, table.reading.decimal or ".") for cell in cells]
+    values = [number(cell, table.decimal) for cell in cells]
     return sum(value is not None for value in values) * 10 >= len(values) * 8 > 0
 
 

@@ -213,7 +213,7 @@ class TableDraft(SaidByHeadings):
         """Draft when participants left exposures, and ask how long exposures were to be."""
         if self._leaving is None:
             return
-        decimal = self.table.reading.decimal or "."
+        decimal = self.table.decimal
         columns, heading, unit, stayed = self._leaving
         cells = [row[column] for row in self.table.rows for column in columns]
         longest_s = max((number(cell, decimal) or 0.0 for cell in cells), default=0.0)

@@ -12,13 +12,13 @@ from vrcomfort.importing.suggest.heading_roles import inner_names, names_fact
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 
-_NOBODY = re.compile(r"0+|9{2,}")
+_PLACEHOLDER = re.compile(r"0+|9{2,}")
 
 
-def _code_of_nobody(codes: Sequence[str]) -> set[str]:
+def _placeholder_codes(codes: Sequence[str]) -> set[str]:
     """Return the code ``000`` or ``999`` if it has fewer rows than each of the others."""
     counts = Counter(code for code in codes if code)
-    found = {code for code in counts if _NOBODY.fullmatch(code)}
+    found = {code for code in counts if _PLACEHOLDER.fullmatch(code)}
     others = [count for code, count in counts.items() if code not in found]
     return {code for code in found if others and counts[code] < min(others)}
 
@@ -39,7 +39,7 @@ def rows_of_trial_runs(table: SourceTable, vocabulary: LabVocabulary) -> dict[in
             words |= vocabulary.trial_runs.get("participant", frozenset())
         said = {row[column] for row in kept if plain(row[column]) in words}
         if person:
-            said |= _code_of_nobody([row[column] for row in kept])
+            said |= _placeholder_codes([row[column] for row in kept])
             said |= {row[column] for row in kept if {*tokens(row[column])} & words}  # test123
         rest = tuple(row for row in kept if row[column] not in said)
         if said and len(rest) * 2 > len(table.rows):
