@@ -287,8 +287,7 @@ class TableImport:
             return
         onset_s = block.onset_s
         if block.time_column is not None:
-            decimal = self._table.decimal
-            onset_s = number(cells[block.time_column], decimal)
+            onset_s = number(cells[block.time_column], self._table.decimal)
             in_minutes = isinstance(block.source, Questionnaire) and block.source.time_unit == "min"
             onset_s = None if onset_s is None else onset_s * (60 if in_minutes else 1)
         if onset_s is None:

@@ -61,8 +61,7 @@ def coding_of(
     legend = {
         code: text for c in columns if table.meanings for code, text in table.meanings[c].items()
     }
-    decimal = table.decimal
-    return coding_of_texts(cells, instrument, decimal, vocabulary, legend)
+    return coding_of_texts(cells, instrument, table.decimal, vocabulary, legend)
 
 
 def _variant(instrument: Instrument, values: Iterable[int]) -> Instrument | None:

@@ -518,9 +518,8 @@ def _is_of_severity(instrument: Instrument) -> bool:
 
 def _fit(table: SourceTable, columns: Sequence[int], instrument: Instrument) -> bool:
     """Return whether most numbers in columns are answers, counted from its lowest or from 1."""
-    decimal = table.decimal
     cells = [cell for column in columns for cell in table.column(column) if cell]
-    values = [value for cell in cells if (value := number(cell, decimal)) is not None]
+    values = [value for cell in cells if (value := number(cell, table.decimal)) is not None]
     low, high = float(instrument.low), float(instrument.high)
     half = (high - low) / 2
     if any(value < 0 for value in values) and all(-half <= value <= half for value in values):

@@ -88,8 +88,7 @@ def _coded_values(
 ) -> list[float | None]:
     """Return the answers of a column, those in words as numbers."""
     words = coding_of(table, [column], instrument, vocabulary).answers
-    decimal = table.decimal
-    return [words.get(cell, number(cell, decimal)) for cell in table.column(column)]
+    return [words.get(cell, number(cell, table.decimal)) for cell in table.column(column)]
 
 
 def answers_of_block(table: SourceTable, block: Found, known: Known) -> list[float | None]:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vrcomfort.importing.answers import number
 from vrcomfort.importing.made_instruments import on_scale
 from vrcomfort.importing.mapping import ScoreKind, scale_named
 from vrcomfort.importing.source import SourceTable
@@ -291,9 +290,8 @@ def weighted(found: FoundScores) -> FoundScores:
 
 
 def _numeric(table: SourceTable, column: int) -> bool:
-    cells = [cell for cell in table.column(column) if cell]
-    values = [number(cell, table.decimal) for cell in cells]
-    return sum(value is not None for value in values) * 10 >= len(values) * 8 > 0
+    filled = sum(map(bool, table.column(column)))
+    return len(values_of(table, column)) * 10 >= filled * 8 > 0
 
 
 def by_kind(table: SourceTable, found: FoundScores) -> dict[ScoreKind, FoundScores]:

@@ -7,13 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.evidence import (
-    few_texts,
-    is_numeric,
-    measures,
-    texts,
-    texts_of_people,
-)
+from vrcomfort.importing.suggest.evidence import few_texts, is_numeric, measures, texts_of_people
 from vrcomfort.importing.suggest.heading_roles import Roles
 
 _PLACES = ("site", "group")
@@ -107,7 +101,7 @@ def _begins_anew(table: SourceTable, people: int, place: int) -> bool:
     groups = [*_runs(table, place)]
     codes = [{row[people] for row in rows} for rows in groups]
     counted = all(each == {str(n + 1) for n in range(len(each))} for each in codes)
-    return counted and len(groups) == len(texts(table, place))
+    return counted and len(groups) == len(table.texts[place])
 
 
 def _runs(table: SourceTable, column: int) -> Iterator[list[tuple[str, ...]]]:
