@@ -382,3 +382,74 @@ def test_a_column_of_two_numbers_under_a_heading_for_names_tells_no_people_apart
     rows += [[n % 2, 1 + n % 7, 1 + (2 * n) % 7] for n in range(1, 13)]
     imported, _ = suggested_import([write(tmp_path / "tools.csv", rows)], tmp_path)
     assert len(imported.participants) == 12
+
+
+def test_a_code_that_rows_share_is_the_person_where_another_column_numbers_the_rows(
+    tmp_path: Path,
+) -> None:
+    rows: list[Row] = [["CASE", "SERIAL", "REF", "QUESTNNR", *ITEMS]]
+    for n, code in enumerate(("XKQ7", "BLM2", "RTW9", "HVD4", "ZPC3", "NGF8")):
+        for k, lens in enumerate(("", *"ABC"[n % 3 :], *"ABC"[: n % 3])):
+            rows.append([20 + 5 * n + k, code, lens, "nach" if lens else "vor", *answers(n, k)])
+    found = suggest_mapping([write(tmp_path / "cases.csv", rows)])
+    assert conditions_of(found) == {code: {"", *"ABC"} for code in {str(r[1]) for r in rows[1:]}}
+    assert {m.timepoint for _, m in of(found).responses if not m.condition} == {"baseline"}
+    assert any("'SERIAL', 'CASE'" in doubt for doubt in found.doubts)
+
+
+def test_numbers_behind_words_that_say_the_same_are_no_other_answers(tmp_path: Path) -> None:
+    words, numbers = (("None", "Slight", "Moderate", "Severe"), range(1, 5))
+    names = [f"{item} object-{k} " for k, item in enumerate((*ITEMS, *ITEMS), start=4)]
+    ends = ("Response", "Quantised")
+    rows: list[Row] = [["ID", "Store: turning", *(name + end for name in names for end in ends)]]
+    for n in range(1, 7):
+        for k, turning in enumerate(("", "snap", "smooth")):
+            said = [each for a in answers(n, k) for each in (words[int(a)], numbers[int(a)])]
+            blank = [""] * len(said)
+            rows.append([f"P{n}", turning, *(blank + said if turning else said + blank)])
+    imported = of(suggest_mapping([write(tmp_path / "forms.csv", rows)]))
+    assert {(m.condition, m.timepoint) for _, m in imported.responses} == {
+        ("", "baseline"), ("snap", "post"), ("smooth", "post"),
+    }  # fmt: skip
+    assert len(imported.responses) == 18
+
+
+def test_moments_stand_before_one_word_of_headings(tmp_path: Path) -> None:
+    rows: list[Row] = [
+        ["ID", "Lens", *(f"{when}sick_{i}" for when in ("pre", "post") for i in ITEMS)]
+    ]
+    rows += [
+        [f"P{n}", lens, *answers(n, k), *answers(n + 1, k)]
+        for n in range(1, 7)
+        for k, lens in enumerate("AB")
+    ]
+    imported = of(suggest_mapping([write(tmp_path / "visits.csv", rows)]))
+    assert {(m.condition, m.timepoint) for _, m in imported.responses} == {
+        (lens, when) for lens in "AB" for when in ("baseline", "post")
+    }
+
+
+def test_loops_are_conditions_whatever_their_questions_are_filled_with(tmp_path: Path) -> None:
+    loops = [f"{n}_{block}_" for n in (1, 2, 3) for block in ("SSQ_post", "TLX")]
+    asked = {
+        "SSQ_post": ITEMS,
+        "TLX": ("Mental Demand", "Physical Demand", "Effort", "Frustration"),
+    }
+    head, texts = ["PID"], ["Your code"]
+    for block in ("SSQ_pre_", *loops):
+        items = asked["TLX" if "TLX" in block else "SSQ_post"]
+        head += [f"{block}{k}" for k in range(1, len(items) + 1)]
+        task = "Before the first: how do you feel?"
+        if block in loops:
+            task = "You just used it at ${lm://Field/1}. How was it?"
+        texts += [f"{task} - {item}" for item in items]
+    rows: list[Row] = [[*head], [*texts]]
+    rows += [[f"P{n}", *((n * k) % 4 for k in range(1, len(head)))] for n in range(1, 7)]
+    file = write(tmp_path / "loops.csv", rows)
+    words = tmp_path / "words.toml"
+    words.write_text('[conditions]\nwords = ["1", "2", "3"]\n', encoding="utf-8")
+    for own in ([], [words]):
+        imported = of(suggest_mapping([file], vocabularies=own))
+        assert {(m.condition, m.timepoint) for _, m in imported.responses} == {
+            ("", "baseline"), ("1", "post"), ("2", "post"), ("3", "post"),
+        }  # fmt: skip

@@ -5,9 +5,10 @@ They stand in a column beside each block, or in one column that gives them in th
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import replace
+from itertools import pairwise
 from typing import Literal, NamedTuple, TypeAlias
 
 from vrcomfort.csv_table import plain_digits
@@ -18,6 +19,7 @@ from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.evidence import (
     LONGEST_CONDITION,
     MOST_CONDITIONS,
+    is_numeric,
     texts,
     values_of,
 )
@@ -190,6 +192,27 @@ def _repeated(table: SourceTable, blocks: Sequence[Found]) -> list[Found]:
     return []
 
 
+def _said_in_words(table: SourceTable, blocks: Sequence[Found]) -> list[int]:
+    """Return all columns of numbers behind words: ``Nausea Quantised`` behind ``… Response``."""
+    ends: dict[tuple[str, str], list[int]] = defaultdict(list)
+    for column, (one, two) in enumerate(pairwise(map(tokens, table.headings)), start=1):
+        if len(two) > 1 and one[:-1] == two[:-1] and not two[-1].isdecimal():
+            ends[one[-1], two[-1]].append(column)
+    for columns in ends.values():
+        worded = {column - 1 for column in columns if not is_numeric(table, column - 1)}
+        known = any({*block.columns} <= worded for block in blocks)
+        if known and all(_says_again(table, column) for column in columns):
+            return columns
+    return []
+
+
+def _says_again(table: SourceTable, column: int) -> bool:
+    """Return whether numbers stand for the texts of the column before them, one to one."""
+    pairs = {(row[column - 1], row[column]) for row in table.rows}
+    one_to_one = len(dict(pairs)) == len(pairs) == len({b for _, b in pairs})
+    return one_to_one and all(map(is_number, texts(table, column)))
+
+
 def _turned(table: SourceTable, blocks: Sequence[Found]) -> list[Found]:
     """Return turned copies of items: labs put ``SP2_r``, the highest answer less SP2, beside it."""
     return [b for b in blocks if any(_is_turned(table, b, other) for other in blocks)]
@@ -248,6 +271,8 @@ def without_made(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[Foun
         blocks = [block for block in blocks if block not in made]
         if find is _products:
             blocks = _with_weights(blocks, table)
+    columns |= dict.fromkeys(_said_in_words(table, blocks), "the same answers, in numbers")
+    blocks = [block for block in blocks if not {*block.columns} <= columns.keys()]
     there = {column for block in blocks for column in block.columns}
     kept = [replace(b, siblings=tuple(c for c in b.siblings if c in there)) for b in blocks]
     return kept, columns

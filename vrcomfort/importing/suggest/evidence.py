@@ -84,6 +84,23 @@ class Context:
         facts = (column for columns in self.columns.values() for column in columns)
         return sorted({*facts, *self.covariates.values()})
 
+    def code_of_rows(self, column: int) -> int | None:
+        """Return the column of codes that rows share, crossed with words, where one counts rows."""
+        table, open_ = self.table, [*self.roles.unknown, *self.roles.metadata]
+        named = {*tokens(table.headings[column])} & self.vocabulary.fact_words["participant"]
+        words = [c for c in open_ if few_texts(table, c) and not is_numeric(table, c)]
+        for other in open_ if not named and len(texts(table, column)) == len(table.rows) else ():
+            codes = len(texts(table, other))
+            if codes < _FEWEST_PEOPLE or "" in table.column(other) or measures(table, other):
+                continue
+            often = {
+                c for c in (other, *words) if len(counts_of_people(table, c, other)) > codes // 2
+            }
+            fewer = (c for c in often if len(texts(table, c)) < codes)
+            if other in often and any(is_balanced(table, c, other) for c in fewer):
+                return other
+        return None
+
 
 class CellEvidence(NamedTuple):
     """A test of a column's cells, the role it speaks for, and the doubt it leaves."""
@@ -243,7 +260,8 @@ def _timepoints_under_heading(context: Context, column: int) -> bool:
 
 
 def _several_timepoints(context: Context, column: int) -> bool:
-    return column in context.roles.unknown and len(set(_timepoints(context, column))) > 1
+    open_ = {*context.roles.unknown, *context.roles.metadata}  # the name of a program's form
+    return column in open_ and len(set(_timepoints(context, column))) > 1
 
 
 def _timepoints(context: Context, column: int) -> list[str]:

@@ -367,8 +367,8 @@ class _Facts(People):
     def _timepoint(self) -> None:
         if "timepoint" in self._answers.said or "timepoint" in self._context.columns:
             return
-        facts = self._roles.facts
-        columns = (*facts["timepoint"], *self._roles.unknown, *facts["condition"])
+        facts, roles = self._roles.facts, self._roles
+        columns = (*facts["timepoint"], *roles.unknown, *facts["condition"], *roles.metadata)
         found = candidates("timepoint", columns, self._context)
         if "timepoint" in self._named:  # names of files say it better than guesses do
             found = [each for each in found if each.evidence not in _GUESSED_TIMEPOINTS]

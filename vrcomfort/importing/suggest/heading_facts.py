@@ -26,7 +26,7 @@ def heading_facts(
         The fact that numbers are taken for that stand alone.
     """
     contexts = [tuple(_unglued(word, vocabulary) for word in each) for each in contexts]
-    contexts = _without_numbers(contexts, vocabulary)
+    contexts = _without_numbers(_before_one_rest(contexts, vocabulary), vocabulary)
     if len(contexts) == 1:
         when = {vocabulary.timepoints[w] for w in contexts[0] if w in vocabulary.timepoints}
         return [{"timepoint": when.pop()} if len(when) == 1 else {}], []
@@ -70,6 +70,8 @@ def _without_numbers(
 
     Survey programs number the questions whose texts name conditions: ``2_Q7``, *Blur*.
     """
+    if vocabulary.conditions.keys() & {word for context in contexts for word in context}:
+        return [*contexts]
 
     def says(words: tuple[str, ...], place: int) -> bool:
         beside = {*words[place + 1 : place + 2]} & _UNITS
@@ -117,6 +119,21 @@ def _unglued(word: str, vocabulary: LabVocabulary) -> str:
     ends = (when for when in vocabulary.timepoints if len(when) >= _LETTERS and word.endswith(when))
     found = max(ends, key=len, default=word)
     return found if len(word) - len(found) <= _GLUED else word
+
+
+def _before_one_rest(
+    contexts: Sequence[tuple[str, ...]], vocabulary: LabVocabulary
+) -> list[tuple[str, ...]]:
+    """Return words of headings with the moments alone in ``presick``, ``postsick``."""
+    times = vocabulary.timepoints
+    for place in range(min(map(len, contexts))):
+        words = [context[place] for context in contexts]
+        ends = [[n for n in range(_LETTERS, len(w)) if w[:n] in times] for w in words]
+        said = [(w[: n[-1]], w[n[-1] :]) for w, n in zip(words, ends, strict=True) if n]
+        if len(said) == len(contexts) and len({*dict(said)}) > 1 == len({r for _, r in said}):
+            pairs = zip(contexts, said, strict=True)
+            contexts = [(*c[:place], when, *c[place + 1 :]) for c, (when, _) in pairs]
+    return [*contexts]
 
 
 def _lettered(
@@ -173,7 +190,10 @@ def _facts(
             rest.append(word)
         place += 1
     if rest:
-        facts["condition"] = "_".join(rest)
+        said = "_".join(rest)
+        facts["condition"] = next(
+            (n for n in vocabulary.conditions if f"_{n}_" in f"_{said}_"), said
+        )
     return facts
 
 

@@ -156,7 +156,7 @@ _ROW_NUMBER = re.compile(
     r"(?i)unnamed: ?\d+|row ?(names?|no|number|id)?|zeile|x\.?1|index|(group|gruppen|page)time ?\d+"
     r"|time\d{3}|rts ?\d+|.*[_ ]((first|last) click|page submit|click count)|\S+_DO(_.+)?"
     r"|(gesamtzeit|total time)|((gruppen|fragen)zeit|(group|question) time):.*"
-    r"|.+\.(started|stopped|this(Rep|Trial)?N|thisIndex)"
+    r"|.+\.(started|stopped|this(Rep|Trial)?N|thisIndex)|\S+_complete"
 )
 """What pandas and R call rows, and columns without a name; times and orders of survey programs."""
 HEADINGS: tuple[HeadingEvidence, ...] = (

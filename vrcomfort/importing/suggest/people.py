@@ -64,7 +64,7 @@ class People(FactDraft):
         """
         cells = self._table.column(column)
         if _are_even(cells):
-            return None
+            return self._context.code_of_rows(column)
         for other in range(len(self._table.headings)):
             texts_there = self._table.column(other) if other != column else ()
             alike = sum(a == b != "" for a, b in zip(cells, texts_there, strict=False))

@@ -264,8 +264,10 @@ class SaidByHeadings(KeptRows):
         leading = self._answers.leading or OWN
         pairs = zip(self._answers[leading], self._facts.get(leading, ()), strict=False)
         same = {frozenset(each.context): facts for each, facts in pairs}
-        if len(same) > 1 and same.get(frozenset(), {}).get("timepoint") == "baseline":
-            same[frozenset()] = {}  # what says no moment was not asked before by that
+        fillers = self._vocabulary.condition_fillers
+        for words, facts in same.items() if len(same) > 1 else ():
+            if words <= fillers and facts.get("timepoint") == "baseline":
+                same[words] = {}  # what says no moment was not asked before by that
         said = [same.get(frozenset(each.context)) for each in found]
         if None not in said:
             return [dict(facts or {}) for facts in said]

@@ -57,13 +57,13 @@ def _tokens(heading: str) -> tuple[str, ...]:
 
 
 def words_of(heading: str) -> list[str]:
-    """Return the words and numbers of a heading, but for a scale in brackets: ``(0-100)``."""
+    """Return words and numbers of a heading, but for ``(0-100)``, and ``${lm://Field/1}``."""
     return _TOKEN.findall(_CAPITALS.sub(" ", _SCALE.sub(" ", heading)))
 
 
 _SCALE = re.compile(
     r"[(\[]\s*[-+]?\d+\s*([-–…]|\.{2,3}|to|bis|=[^()\[\]]*[,;/–-]\s*)\s*[-+]?\d+\s*"
-    r"(=[^()\[\]]*)?[)\]]|[(\[]\s*[-+]?\d+\s*=[^()\[\]]*[)\]]"
+    r"(=[^()\[\]]*)?[)\]]|[(\[]\s*[-+]?\d+\s*=[^()\[\]]*[)\]]|\$\{[^{}]*\}"
 )
 
 
