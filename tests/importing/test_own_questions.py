@@ -735,3 +735,12 @@ def test_three_items_whose_headings_are_made_in_three_ways_are_no_questionnaire(
     rows += [[f"P{n}", n, 1 + n % 9, 1 + n % 5, 2 + n % 7, 60 + n, 70 + n] for n in range(1, 9)]
     imported, _ = suggested_import([write(tmp_path / "NASA.csv", rows)], tmp_path)
     assert "nasa_tlx" not in {instrument for instrument, _ in imported.responses}
+
+
+def test_means_of_answers_are_not_rounded_and_have_a_scale_of_their_own(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["participant", "arousal", "presence", "sickness"]]
+    rows += [[f"P{n:02}", 1 + n % 9, 1 + n % 12 / 3, 1 + n % 9 / 2] for n in range(18)]
+    found = imported_from(write(tmp_path / "scores.csv", rows))
+    assert own_items(found) == {"arousal": (1, 9), "presence": (1, 5), "sickness": (1, 5)}
+    presence = {who: value for (who, *_), value in answers(found, "presence").items()}
+    assert presence == pytest.approx({str(row[0]): row[2] for row in rows[1:]}, abs=1e-8)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from fractions import Fraction
 from math import ceil, floor
 
 from vrcomfort.importing.answers import number
+from vrcomfort.importing.made_instruments import MOST_DECIMALS
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.codings import code_of, is_softened, missing_codes
 from vrcomfort.importing.suggest.draft import TomlDraft
@@ -36,11 +38,19 @@ def scale_of(
         counts, vocabulary
     ):
         low, high = 1.0, float(_OF_SEVEN if of_seven else _OF_FIVE)
-    whole = all(value.is_integer() for value in values)
     if not -100 <= low <= high <= 150:
         return None
-    step = 1.0 if whole else 0.1 if all((10 * value).is_integer() for value in values) else 0.01
-    return AnswerRange(floor(low), ceil(high), step)
+    return AnswerRange(floor(low), ceil(high), step_of(values))
+
+
+def step_of(values: Iterable[float]) -> float:
+    """Return the step that tells numbers apart: 1, 0.1 … with at most `MOST_DECIMALS`."""
+    exact = [Fraction(str(value)) for value in values]
+    digits = next(
+        (n for n in range(MOST_DECIMALS) if all((v * 10**n).denominator == 1 for v in exact)),
+        MOST_DECIMALS,
+    )
+    return 1.0 if digits == 0 else float(Fraction(1, 10**digits))
 
 
 def is_missing(cell: str, vocabulary: LabVocabulary) -> bool:

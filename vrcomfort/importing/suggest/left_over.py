@@ -10,16 +10,16 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from fractions import Fraction
 from math import ceil, floor
 
 from vrcomfort.importing.answers import number
-from vrcomfort.importing.made_instruments import MOST, MOST_DECIMALS
+from vrcomfort.importing.made_instruments import MOST
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.answer_scales import (
     FEWEST_ANSWERS,
     is_missing,
     scale_of,
+    step_of,
     yes_or_no,
 )
 from vrcomfort.importing.suggest.codings import missing_codes
@@ -139,14 +139,8 @@ def _measured(table: SourceTable, column: int, values: Sequence[float]) -> Taken
     filled = sum(map(bool, table.column(column)))
     if filled < FEWEST_ANSWERS or not values or max(map(abs, values)) > MOST:
         return None
-    exact = [Fraction(str(value)) for value in values]
-    digits = next(
-        (n for n in range(MOST_DECIMALS) if all((v * 10**n).denominator == 1 for v in exact)),
-        MOST_DECIMALS,
-    )
     low, high = floor(min(values)), ceil(max(values))
-    step = 1.0 if digits == 0 else float(Fraction(1, 10**digits))
-    return TakenFor(AnswerRange(low, max(high, low + 1), step), measured=True)
+    return TakenFor(AnswerRange(low, max(high, low + 1), step_of(values)), measured=True)
 
 
 def ask_to_leave_out(table: SourceTable, reasons: Mapping[int, str]) -> list[OpenDoubt]:

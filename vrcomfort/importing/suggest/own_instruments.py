@@ -7,7 +7,7 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from itertools import pairwise
+from itertools import pairwise, product
 from math import inf
 from typing import NamedTuple
 
@@ -137,10 +137,15 @@ def _blocks(name: str, group: Sequence[OwnQuestion]) -> list[Found]:
 
 
 def together(scales: Mapping[str, AnswerRange]) -> dict[str, AnswerRange]:
-    """Return usual scales, one for all questions of about as many steps."""
+    """Return usual scales, one for all questions of about as many steps.
+
+    Means of answers, which have fractions, have one of their own.
+    """
     found: dict[str, AnswerRange] = {}
-    for above, most in pairwise((-inf, *_STEPS, inf)):
-        alike = {key: s for key, s in scales.items() if above < s.high <= most}
+    for (above, most), whole in product(pairwise((-inf, *_STEPS, inf)), (True, False)):
+        alike = {
+            k: s for k, s in scales.items() if above < s.high <= most and (s.step == 1) == whole
+        }
         if alike:
             widest = reduce(lambda one, other: one | other, alike.values())
             found |= dict.fromkeys(alike, widest.usual)
