@@ -135,6 +135,17 @@ def test_people_counted_anew_in_each_group_below_the_other_are_others(tmp_path: 
     }
 
 
+def test_codes_that_begin_anew_in_each_condition_are_asked_about(tmp_path: Path) -> None:
+    def asked(order: list[tuple[str, int]]) -> str:
+        rows = [[scene, f"P{n:02}", *answers(n, scene == "B")] for scene, n in order]
+        found = suggest_mapping([write(tmp_path / "ssq.csv", [["Scene", "Code", *ITEMS], *rows])])
+        return found.text if "is 'P01' of 'A' the 'P01' of 'B'?" in " ".join(found.doubts) else ""
+
+    runs = [(scene, n) for scene in "AB" for n in range(1, 13)]
+    assert 'participant = { columns = ["Scene", the column of the codes] }' in asked(runs)
+    assert not asked(sorted(runs, key=lambda each: each[1]))
+
+
 @pytest.mark.parametrize("missing", ["fehlend", "n/a", "-99", "keine Angabe"])
 def test_a_word_for_missing_is_no_condition_and_who_lacks_rows_is_none(
     missing: str, tmp_path: Path

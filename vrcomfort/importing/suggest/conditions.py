@@ -22,6 +22,7 @@ from vrcomfort.importing.suggest.evidence import (
     GROUPS_PEOPLE,
     MOST_CONDITIONS,
     WORDS_WITHIN_PEOPLE,
+    Candidate,
     candidates,
     few_texts,
     is_numeric,
@@ -30,6 +31,7 @@ from vrcomfort.importing.suggest.evidence import (
     varies_within,
 )
 from vrcomfort.importing.suggest.fact_draft import FactDraft
+from vrcomfort.importing.suggest.shared_codes import are_met_again
 from vrcomfort.importing.suggest.vocabulary import tokens
 from vrcomfort.questionnaire import plain
 from vrcomfort.settings import toml_value
@@ -206,7 +208,22 @@ class Conditions(FactDraft):
             self.use("condition", column)
             if column in self._roles.unknown:
                 self._roles.unknown.remove(column)
-            self.doubt_of(found[0])
+            self._ask_of(found[0])
+
+    def _ask_of(self, found: Candidate) -> None:
+        """Ask whether a column is the condition, and whose codes begin anew in each."""
+        who = self._context.participant
+        if who is None or not are_met_again(self._table, who, found.column):
+            return self.doubt_of(found)
+        name, code = self.heading(found.column), texts(self._table, who)[0]
+        one, other = texts(self._table, found.column)[:2]
+        question = found.evidence.question.format(heading=name)
+        question += f" And is {code!r} of {one!r} the {code!r} of {other!r}?"
+        columns = f"columns = [{toml_value(name)}, the column of the codes]"
+        stake = CONDITIONS._replace(
+            instead=f"in the tables: participant = {{ {columns} }}; {CONDITIONS.instead}"
+        )
+        return self.doubt(question, "it is, and each code is one person", stake)
 
     def _parts_questions(self, column: int) -> bool:
         """Return whether each question has one text of a column, as the name of its part."""

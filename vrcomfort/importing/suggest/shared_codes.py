@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -102,6 +103,21 @@ def _begins_anew(table: SourceTable, people: int, place: int) -> bool:
     codes = [{row[people] for row in rows} for rows in groups]
     counted = all(each == {str(n + 1) for n in range(len(each))} for each in codes)
     return counted and len(groups) == len(table.texts[place])
+
+
+_NO_NUMBER = re.compile(r"\D+0*|^0+")
+
+
+def are_met_again(table: SourceTable, people: int, place: int) -> bool:
+    """Return whether a table goes through one place after the other, with the same codes in each.
+
+    They are once in each: one person in all, or another who was numbered anew.
+    """
+    groups = [*_runs(table, place)]
+    codes = [sorted(_NO_NUMBER.sub("", r[people]) or r[people] for r in rows) for rows in groups]
+    once = len({rows[0][place] for rows in groups}) == len(groups)
+    once &= len({*codes[0]}) == len(codes[0])
+    return once and all(each == codes[0] for each in codes)
 
 
 def _runs(table: SourceTable, column: int) -> Iterator[list[tuple[str, ...]]]:
