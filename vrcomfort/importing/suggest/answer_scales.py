@@ -90,7 +90,7 @@ def yes_or_no(texts: Sequence[str], vocabulary: LabVocabulary) -> dict[str, floa
     """Return 1 for each yes or true, and 0 for each no; none where another text is among them."""
     if not all(plain(text) in vocabulary.yes_no for text in texts):
         return {}
-    return {text: float(text[:1].casefold() not in "nf") for text in texts}  # no, nein, false
+    return {text: float(plain(text) not in vocabulary.no) for text in texts}
 
 
 def _are_degrees(words: Iterable[str], vocabulary: LabVocabulary) -> bool:

@@ -168,9 +168,7 @@ def _tells_people_apart(context: Context, column: int) -> bool:
 def says_no_person(table: SourceTable, column: int, vocabulary: LabVocabulary) -> bool:
     """Return whether a column has truth values, or mostly sentences: it tells no people apart."""
     words = texts(table, column)
-    flags = bool(words) and all(
-        plain(word) in vocabulary.yes_no | {"true", "false"} for word in words
-    )
+    flags = bool(words) and all(plain(word) in vocabulary.yes_no for word in words)
     return flags or sum(len(word.split()) > 4 for word in words) * 2 > len(words)
 
 

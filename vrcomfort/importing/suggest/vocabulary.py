@@ -219,7 +219,8 @@ class VocabularyFile(Settings):
     """Instrument → scale → words for it."""
     missing: _Words = ()
     totals: _Words = ()
-    yes_no: _Words = ()
+    yes: _Words = ()
+    no: _Words = ()
     best: _Words = ()
     """Words for the good end of a scale of performance."""
     timepoints: TimepointWords = TimepointWords()
@@ -309,7 +310,7 @@ class LabVocabulary:
         """Instrument → word → scale."""
         self.missing = frozenset(text.casefold() for text in merged["missing"])
         self.totals = frozenset(text.casefold() for text in merged["totals"])
-        self.yes_no = _plain_set(merged["yes_no"])
+        self.yes, self.no = (_plain_set(merged[key]) for key in ("yes", "no"))
         self.best = _plain_set(merged["best"])
         self.timepoints = _looked_up(merged["timepoints"])
         """Word → timepoint."""
@@ -325,6 +326,11 @@ class LabVocabulary:
         self._spellings: dict[Instrument, dict[str, str]] = {}
         self._sentences: dict[Instrument, tuple[WeighedSentence, ...]] = {}
         self._all_initials: dict[Instrument, dict[str, str]] = {}
+
+    @property
+    def yes_no(self) -> frozenset[str]:
+        """Return the words for either."""
+        return self.yes | self.no
 
     def told(self, heading: str) -> str:
         """Return the role that the lab's own files give a heading; blank where they are silent."""
