@@ -74,3 +74,10 @@ def test_a_compute_shader_has_its_includes_before_any_other_program() -> None:
             shaders.compute(ctx, "display/image_hash.comp")
     finally:
         ctx.release()
+
+
+def test_a_context_says_what_it_is_also_while_none_is_current() -> None:
+    ctx = gl.create_context()
+    gl.release(gl.create_context())
+    assert ctx.info["GL_RENDERER"] != ""
+    ctx.release()

@@ -81,6 +81,7 @@ def prepare(ctx: moderngl.Context) -> moderngl.Context:
     that is current then.
     """
     ctx.gc_mode = "context_gc"
+    _ = ctx.info  # moderngl keeps what it reads first, which is blank where no context is current
     weakref.finalize(ctx, ctx.mglo.release).atexit = False
     function(ctx, "glClipControl", ctypes.c_uint, ctypes.c_uint)(_LOWER_LEFT, _ZERO_TO_ONE)
     sampler, uint = ctypes.c_uint(), ctypes.c_uint  # for as long as there is the context
