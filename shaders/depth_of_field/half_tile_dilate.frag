@@ -32,16 +32,16 @@ void main() {
             float gap = gap_px(ivec2(x, y));
             bool reaches = gap <= reach_px;
             float either_px = max(pixel_aspect, 1.0) * max(own_px, max(-t.r, t.g)) + SLACK_PX;
-            ends = ends || gap <= either_px && (int(t.a) & 2) != 0;
+            ends = ends || gap <= either_px && (int(t.a) & HAS_END) != 0;
             front_px = reaches ? max(front_px, -t.r) : front_px;
             least_px = reaches ? min(least_px, -t.b) : least_px;
             bool beside = max(abs(x), abs(y)) <= 1;
-            small_beside = small_beside || beside && (int(t.a) & 1) != 0;
+            small_beside = small_beside || beside && (int(t.a) & HAS_SMALL) != 0;
             widest_px = beside ? max(widest_px, max(-t.r, t.g)) : widest_px;
         }
     }
     widest_px = max(widest_px, front_px);
-    bool has_small = (int(own.a) & 1) != 0;
+    bool has_small = (int(own.a) & HAS_SMALL) != 0;
     int tile_class = widest_px <= 0.5 ? IN_FOCUS : ends ? (has_small ? COMPLEX : COMPLEX_HALF_RESOLUTION)
                                                         : (small_beside ? FAST : FAST_HALF_RESOLUTION);
     dilated = vec4(front_px, widest_px, min(least_px, front_px), float(tile_class));

@@ -3,10 +3,11 @@
 //
 // Input:  surfaces (half_surfaces.frag). TILE: side of a tile in its texels.
 // Output: r, g = least and greatest signed RADIUS (px of image width), and of texels beside it where a surface
-//         ends; b = the greatest in front of the focus, -1e4 for none; a = bits: 1 where a pixel is less blurred
-//         than SMALL_PX of that pass, 2 where a surface ends.
+//         ends; b = the greatest in front of the focus, -1e4 for none; a = HAS_SMALL and HAS_END
+//         (tile_classes.glsl).
 #include "eyes.glsl"
 #include "half_coverage.glsl"
+#include "tile_classes.glsl"
 
 uniform eye_image surfaces;
 
@@ -42,5 +43,5 @@ void main() {
             left = below[x] = radius;
         }
     }
-    range.a = (small ? 1.0 : 0.0) + (ends ? 2.0 : 0.0);
+    range.a = float((small ? HAS_SMALL : 0) + (ends ? HAS_END : 0));
 }

@@ -8,3 +8,6 @@ const int CUT = 5;                      // something near cuts the disc of a lam
 // And what it needs before that, and after (near_tiles.frag); a tile BEHIND is NEAR too.
 const int NEAR = 1;                     // the disc of something near comes here, and its silhouette is not far
 const int BEHIND = 2;                   // what lies behind something near is drawn
+// And what is in it before that, with 12 samples (half_tiles.frag): bits.
+const int HAS_SMALL = 1;                // a pixel is less blurred than SMALL_PX of half_surfaces.frag
+const int HAS_END = 2;                  // a surface ends

@@ -9,7 +9,7 @@ import re
 import unicodedata
 from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from functools import cache, lru_cache
+from functools import cache, cached_property, lru_cache
 from itertools import chain, count
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -327,7 +327,7 @@ class LabVocabulary:
         self._sentences: dict[Instrument, tuple[WeighedSentence, ...]] = {}
         self._all_initials: dict[Instrument, dict[str, str]] = {}
 
-    @property
+    @cached_property
     def yes_no(self) -> frozenset[str]:
         """Return the words for either."""
         return self.yes | self.no
