@@ -249,7 +249,7 @@ def _array(
 
 
 def layers_of(texture: AnyTexture) -> int:
-    """Return how many images a texture holds: those of so many eyes."""
+    """Return the number of images in a texture, one for each eye."""
     return texture.layers if isinstance(texture, moderngl.TextureArray) else 1
 
 

@@ -1,4 +1,4 @@
-"""Reads codebooks: tables that say of the columns of another table what they are."""
+"""Reads codebooks: tables that describe the columns of other tables."""
 
 from __future__ import annotations
 

@@ -130,7 +130,8 @@ def _before_one_rest(
         words = [context[place] for context in contexts]
         ends = [[n for n in range(_LETTERS, len(w)) if w[:n] in times] for w in words]
         said = [(w[: n[-1]], w[n[-1] :]) for w, n in zip(words, ends, strict=True) if n]
-        if len(said) == len(contexts) and len({*dict(said)}) > 1 == len({r for _, r in said}):
+        moments, rests = {when for when, _ in said}, {rest for _, rest in said}
+        if len(said) == len(contexts) and len(moments) > 1 and len(rests) == 1:
             pairs = zip(contexts, said, strict=True)
             contexts = [(*c[:place], when, *c[place + 1 :]) for c, (when, _) in pairs]
     return [*contexts]

@@ -249,7 +249,7 @@ _CODE_AND_TEXT = re.compile(r"([A-Za-z][A-Za-z0-9_]{0,19})\. (\S.*)")
 
 
 def inner_names(heading: str) -> tuple[str, ...]:
-    """Return what a nested value is called: ``condition``, and ``person id`` where it is an id."""
+    """Return the name of a nested value: ``condition``, or ``person id`` if it is an id."""
     parts = heading.split(".")
     generic = plain(parts[-1]) in _GENERIC and len(parts) > 1
     return (" ".join(parts[-2:]),) if generic else (parts[-1],)

@@ -89,7 +89,7 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
 
 
 def _asks_no_opinion(text: str, vocabulary: LabVocabulary) -> bool:
-    """Return whether a text in the column of items is of a fact, or of what is no answer."""
+    """Return whether a text in the column of items names a fact, or no answer."""
     short = len(tokens(text)) < FEWEST_OF_SENTENCE
     other = {*tokens(text)} & vocabulary.asking_others or plain(text) in vocabulary.roles
     return short and bool(other)

@@ -95,7 +95,7 @@ COUNTED = {"count": True}
 
 
 def without_unnamed_people(drafts: Sequence[TableDraft]) -> list[TableDraft]:
-    """Return drafts without facts of people whom no code names, beside answers of others."""
+    """Return drafts without facts of people without codes, if other drafts have answers."""
     answered = [draft for draft in drafts if draft.known]
     named = [d for d in drafts if d.known or d.draft.values.get("participant") != COUNTED]
     return named if answered else [*drafts]
