@@ -40,8 +40,11 @@ class Part:
 
     @property
     def folder(self) -> Path:
-        """Where its map is: the name is a hash of the code, its tests and what tests share."""
-        state = hashlib.sha256(f"{self.tests.relative_to(self.root)} {self.marks}".encode())
+        """Where its map is: the name is a hash of the code, its tests and what tests share.
+
+        Also of where they are, as maps name files by their whole path.
+        """
+        state = hashlib.sha256(f"{self.tests} {self.marks}".encode())
         shared = [self.root / "tests" / "conftest.py", self.root / "tests" / "support"]
         for place in (self.root / self.package, *shared, self.tests):
             for file in sorted(place.rglob("*.py")) if place.is_dir() else [place]:

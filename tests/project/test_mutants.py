@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from mutants.coverage_map import MARKS, parts
 from mutants.operators import sites
 from tests.support.places import ROOT
 
@@ -108,6 +109,19 @@ def test_each_statement_has_its_operators(statement: str, operators: set[str]) -
     assert {site.operator for site in found} == operators
     for site in found:
         assert ast.dump(ast.parse(site.mutate(text))) != ast.dump(ast.parse(text))
+
+
+def test_checkouts_of_the_same_code_have_maps_of_their_own(tmp_path: Path) -> None:
+    """Maps name files by their whole path: that of another checkout would cover no line."""
+    folders = set()
+    for checkout in ("one", "two"):
+        for name, text in (("toy/calc.py", CALC), ("tests/test_calc.py", TESTS)):
+            file = tmp_path / checkout / name
+            file.parent.mkdir(parents=True)
+            file.write_text(text, "utf-8")
+        root = tmp_path / checkout
+        folders |= {part.folder for part in parts(root, "toy", [root / "tests"], MARKS)}
+    assert len(folders) == 2
 
 
 @pytest.mark.slow
