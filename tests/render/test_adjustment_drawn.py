@@ -91,7 +91,7 @@ def looks():
 
 
 def pictures(ctx, built_for, shown):
-    renderer = StereoRenderer(ctx, SIZE)
+    renderer = StereoRenderer(ctx, SIZE, eyes=1)
     renderer.build(still_life(), built_for)
     if shown is not built_for:
         renderer.adjust(shown)

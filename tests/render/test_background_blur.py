@@ -53,8 +53,7 @@ def shadowless():
     return without(replace(content, nodes=nodes), "glass")
 
 
-@pytest.mark.parametrize("level", [0.4, 1.0, 2.5])
-@pytest.mark.parametrize("name", ["brass", "clay", "grid"])
+@pytest.mark.parametrize(("name", "level"), [("brass", 0.4), ("clay", 1.0), ("grid", 2.5)])
 def test_the_foreground_is_sharp_over_a_background_at_its_level(ctx, shadowless, name, level):
     plain = pictures(ctx, shadowless, PLAIN)
     behind = pictures(ctx, without(shadowless, name), PLAIN)

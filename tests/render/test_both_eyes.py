@@ -101,8 +101,10 @@ def test_near_things_of_one_eye_change_nothing_in_the_other(ctx):
         assert_same(both[eye], drawn(ctx, EFFECTS["near"], (eye, eye), odd, eyes=1)[0])
 
 
-@pytest.mark.parametrize("hidden", [(None, None), HIDDEN])
-@pytest.mark.parametrize("name", ["both", "half", "views", "field"])
+@pytest.mark.parametrize(
+    ("name", "hidden"),
+    [("both", HIDDEN), ("half", (None, None)), ("views", (None, None)), ("field", HIDDEN)],
+)
 def test_drivers_without_layers_draw_one_eye_after_the_other(ctx, monkeypatch, name, hidden):
     at_once = drawn(ctx, EFFECTS[name], (0, 1), hidden=hidden)
     monkeypatch.setattr(gl, "eyes_at_once", lambda _: None)

@@ -73,7 +73,7 @@ def shares(radius_px, pixel_aspect=1.0):
 
 
 @pytest.mark.parametrize("pixel_aspect", [1.0, 1.25])
-@pytest.mark.parametrize("radius_px", [0.525, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 2, 3, 4.6])
+@pytest.mark.parametrize("radius_px", [0.525, 0.7, 0.9, 1.1, 1.5, 4.6])
 def test_discs_on_the_grid_are_discs(radius_px, pixel_aspect):
     """Each pixel has the part of a disc that lies on it, but for one pixel's part in 50.
 
@@ -102,7 +102,7 @@ def test_the_shares_of_a_disc_are_its_light(radius_px):
     assert np.sum(2 * np.pi * away * share) * step == pytest.approx(np.pi, rel=1e-3)
 
 
-@pytest.mark.parametrize("radius_px", [0.55, 0.65, 0.75, 0.9, 1.0, 1.25, 1.5, 2.0])
+@pytest.mark.parametrize("radius_px", [0.55, 0.75, 1.0, 2.0])
 def test_small_blur_is_far_better_than_half_resolution(ctx, radius_px):
     """Discs of up to 4 px across, where most of what is seen in a headset lies."""
     rgb = textured()
@@ -117,7 +117,7 @@ def test_small_blur_is_far_better_than_half_resolution(ctx, radius_px):
     assert errors[0] <= 0.3 * errors[1], errors
 
 
-@pytest.mark.parametrize("radius_px", [0.8, 1.2, 1.9, 2.4, 3.2, 4.5, 6.4])
+@pytest.mark.parametrize("radius_px", [0.8, 1.9, 3.2, 6.4])
 def test_bright_points_keep_their_energy(ctx, radius_px):
     """Nothing weighs bright pixels down, so a lamp spreads all its light."""
     rgb = np.zeros((HEIGHT, WIDTH, 3))
@@ -127,7 +127,7 @@ def test_bright_points_keep_their_energy(ctx, radius_px):
     assert blurred.astype(float).sum() == pytest.approx(rgb.sum(), rel=0.005)
 
 
-@pytest.mark.parametrize("radius_px", [1.2, 3.0, 5.0, 6.4])
+@pytest.mark.parametrize("radius_px", [1.2, 3.0, 6.4])
 def test_both_eyes_see_the_same_blur(ctx, radius_px):
     """A view moved by whole pixels is blurred to the same, moved: no noise of the screen."""
     rgb = textured()

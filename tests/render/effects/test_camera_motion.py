@@ -207,7 +207,7 @@ def test_a_neck_takes_the_streak_of_a_turn_from_near_things():
     assert found["neck"] == pytest.approx(0, abs=1e-9)
 
 
-MODES = get_args(MotionBlur.model_fields["mode"].annotation)
+modes = st.sampled_from(get_args(MotionBlur.model_fields["mode"].annotation))
 
 
 def turned_by(avatar, angle_rad, head):
@@ -223,9 +223,8 @@ upright = st.builds(
 virtual_turn_rad = st.floats(0.01, np.pi / 2)
 
 
-@pytest.mark.parametrize("mode", MODES)
 @few
-@given(avatar=upright, head=pose, head_from_eye=eye, angle=virtual_turn_rad, distance=depth_m)
+@given(modes, upright, pose, eye, virtual_turn_rad, depth_m)
 def test_virtual_turning_is_cancelled_in_every_mode(
     mode, avatar, head, head_from_eye, angle, distance
 ):
@@ -237,9 +236,8 @@ def test_virtual_turning_is_cancelled_in_every_mode(
     assert np.linalg.norm(velocity(now, previous, distance, np.float32)) <= 1e-3
 
 
-@pytest.mark.parametrize("mode", MODES)
 @few
-@given(avatar=upright, heads=st.tuples(pose, pose), offset=eye, step=position)
+@given(modes, upright, st.tuples(pose, pose), eye, position)
 def test_cancelled_turning_keeps_all_other_motion(mode, avatar, heads, offset, step):
     """Walking without a turn, and whatever the mode keeps of the head."""
     before = Pose(avatar.position - step / 100, avatar.orientation)
@@ -247,9 +245,8 @@ def test_cancelled_turning_keeps_all_other_motion(mode, avatar, heads, offset, s
     assert eyes(mode, avatar, heads, offset, before, virtual_turning="cancelled") == as_ever
 
 
-@pytest.mark.parametrize("mode", MODES)
 @few
-@given(avatar=upright, head=pose, head_from_eye=eye, angle=virtual_turn_rad)
+@given(modes, upright, pose, eye, virtual_turn_rad)
 def test_virtual_turning_is_kept_in_every_mode(mode, avatar, head, head_from_eye, angle):
     before = turned_by(avatar, angle, head)
     _, previous = eyes(mode, avatar, (head, head), head_from_eye, before, virtual_turning="kept")
@@ -314,9 +311,8 @@ def test_before_a_resting_head_both_ways_of_counting_a_hand_agree(stage, head, p
         np.testing.assert_allclose(before.right.matrix(), expected, atol=1e-9)
 
 
-@pytest.mark.parametrize("carried", ["with_head", "in_world"])
 @few
-@given(stage=upright, heads=st.tuples(pose, pose), hand=pose)
+@given(st.sampled_from(["with_head", "in_world"]), upright, st.tuples(pose, pose), pose)
 def test_a_hand_that_rests_or_was_not_known_has_not_moved(carried, stage, heads, hand):
     rest = counted_hands(carried, (stage, stage), (heads[1], heads[1]), [(hand, None)] * 2)
     assert rest[0] == rest[1], "bit by bit: nothing is drawn for a picture in which all rests"

@@ -73,9 +73,16 @@ def test_a_sharp_foreground_does_not_leak(ctx, samples):
 
 
 @pytest.mark.parametrize(
-    ("near_is_left", "radius_px"), [(True, 1.5), (False, 3.0), (True, 6.4), (False, 12.0)]
+    ("near_is_left", "radius_px", "samples", "rms"),
+    [
+        (True, 1.5, 16, 0.04),
+        (False, 12.0, 16, 0.04),
+        (True, 6.4, 36, 0.03),
+        (False, 3.0, 36, 0.03),
+        (True, 1.5, 128, 0.02),
+        (False, 12.0, 128, 0.02),
+    ],
 )
-@pytest.mark.parametrize(("samples", "rms"), [(16, 0.04), (36, 0.03), (128, 0.02)])
 def test_a_blurred_foreground_is_the_disc_integral_at_its_edge(
     ctx, near_is_left, radius_px, samples, rms
 ):
@@ -93,8 +100,7 @@ def test_a_blurred_foreground_is_the_disc_integral_at_its_edge(
 
 
 @pytest.mark.parametrize(("samples", "radius_px"), [(36, 3.3), (72, 4.7), (256, 9.0), (72, 16.0)])
-@pytest.mark.parametrize("aspect", [1.25, 2.5])
-@pytest.mark.parametrize("upwards", [False, True])
+@pytest.mark.parametrize(("aspect", "upwards"), [(1.25, True), (2.5, False)])
 def test_a_front_reaches_over_all_tiles_however_tall_pixels_are(
     ctx, samples, radius_px, aspect, upwards
 ):
@@ -118,9 +124,9 @@ ON_ONE_SIDE = [(3.0, 9.0), (1.5, 4.0), (-9.0, -3.0), (-4.0, -1.5)]
 @pytest.mark.parametrize(
     ("samples", "radii_px", "rms"),
     [
-        *((16, each, 0.04) for each in BESIDE_FOCUS + ON_ONE_SIDE),
-        *((36, each, 0.03) for each in BESIDE_FOCUS + ON_ONE_SIDE),
-        *((128, each, 0.02) for each in BESIDE_FOCUS + ON_ONE_SIDE),
+        *((16, each, 0.04) for each in BESIDE_FOCUS[:2] + ON_ONE_SIDE[:2]),
+        *((36, each, 0.03) for each in BESIDE_FOCUS[1:] + ON_ONE_SIDE[2:]),
+        *((128, each, 0.02) for each in BESIDE_FOCUS[1:] + ON_ONE_SIDE),
     ],
 )
 def test_an_edge_has_the_disc_of_the_front_whatever_is_behind(ctx, samples, radii_px, rms):
@@ -140,8 +146,7 @@ def texel_variance_px2(radius_px, samples):
     return (1 if radius_px <= blur_kernels.exact_px(samples) else 4) / 12
 
 
-@pytest.mark.parametrize("radius_px", [1.5, 3.0, 6.4])
-@pytest.mark.parametrize("aspect", [1.0, 1.25])
+@pytest.mark.parametrize(("radius_px", "aspect"), [(1.5, 1.25), (3.0, 1.0), (6.4, 1.25)])
 @pytest.mark.parametrize("samples", SAMPLES)
 def test_bokeh_is_a_disc_that_keeps_the_energy(ctx, radius_px, aspect, samples):
     """Round in angle: taller in pixels where pixels are narrower than high."""
@@ -222,11 +227,10 @@ def test_depth_runs_along_the_heads_axis_in_canted_eyes(ctx, rng):
     assert np.any(depth_of_field(ctx, rgb, distance, 2.0, fov=fov, **settings) != rgb)
 
 
-SIZES = [(1, 1, "linear"), (7, 5, "dioptre"), (33, 17, "linear"), (67, 35, "dioptre")]
-
-
-@pytest.mark.parametrize(("width", "height", "law"), SIZES)
-@pytest.mark.parametrize("samples", SAMPLES)
+@pytest.mark.parametrize(
+    ("width", "height", "law", "samples"),
+    [(1, 1, "linear", 128), (7, 5, "dioptre", 36), (67, 35, "dioptre", 16)],
+)
 def test_extremes_stay_finite_and_within_their_range(ctx, rng, width, height, law, samples):
     settings = {
         "law": law,
@@ -250,8 +254,7 @@ def test_extremes_stay_finite_and_within_their_range(ctx, rng, width, height, la
 
 
 @pytest.mark.parametrize("samples", [16, 36])
-@pytest.mark.parametrize("max_radius_px", [2.4, 9.0, 20.0])
-@pytest.mark.parametrize("aspect", [1.0, 1.5])
+@pytest.mark.parametrize(("max_radius_px", "aspect"), [(2.4, 1.0), (9.0, 1.5), (20.0, 1.0)])
 def test_nothing_of_the_frame_before_is_left(ctx, rng, samples, max_radius_px, aspect):
     """Tiles of which nothing is needed are not drawn: what they still hold must not be seen."""
     width, height = 203, 149

@@ -93,8 +93,17 @@ def condition(focus_m, law, order=LENS_FIRST, **lens):
     )
 
 
-@pytest.mark.parametrize("size_px", [(1, 1), (7, 5), (61, 43)])
-@pytest.mark.parametrize("scene", [SKY, around(1.0), around(30_000.0)], ids=["sky", "near", "far"])
+@pytest.mark.parametrize(
+    ("scene", "size_px"),
+    [
+        (SKY, (7, 5)),
+        (around(1.0), (1, 1)),
+        (around(1.0), (61, 43)),
+        (around(30_000.0), (7, 5)),
+        (around(30_000.0), (61, 43)),
+    ],
+    ids=["sky", "near, one pixel", "near", "far, few pixels", "far"],
+)
 def test_every_output_is_finite_and_bounded(ctx, size_px, scene):
     """Through the points: the head jumps by metres, so that much was behind the eye before."""
     frames = two_frames([0.4, 0.2, -3.0], 1.5)
@@ -131,8 +140,7 @@ def test_discs_of_half_a_pixel_leave_the_image_bit_for_bit(ctx, law):
         np.testing.assert_array_equal(blurred, sharp)
 
 
-@pytest.mark.parametrize("samples", [2, 4])
-@pytest.mark.parametrize("near_m", [0.001, 0.02, 1.0])
+@pytest.mark.parametrize(("near_m", "samples"), [(0.001, 4), (0.02, 2), (1.0, 4)])
 def test_thirty_kilometres_and_five_metres_less_differ(ctx, near_m, samples):
     """Through many samples and the resolve, at every near plane."""
     found = []
@@ -163,7 +171,7 @@ def test_a_surface_whose_normal_has_no_length_is_lit_as_if_it_faced_the_eye(ctx)
     assert images[0].min() > 0.1
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("law", ["linear", "dioptre"])
 def test_radii_are_accurate_at_every_range(ctx, law, seed):
     """Of float64: 1e-5 or 0.001 px up to 100 px, and 1e-5 at any size beyond 2 % from focus."""

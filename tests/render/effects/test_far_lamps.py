@@ -49,7 +49,7 @@ def part_of_disc(thing):
     n - u N. So where p shows q, that of the near thing is in front of it which is at p + u N.
     """
     y, x = np.mgrid[: WIDE_PX[1], : WIDE_PX[0]] + 0.5 - np.array(WIDE_PX)[::-1, None, None] / 2
-    spots = (np.arange(16) + 0.5) / 16 * LAMP_SIDE_PX - LAMP_SIDE_PX / 2
+    spots = (np.arange(8) + 0.5) / 8 * LAMP_SIDE_PX - LAMP_SIDE_PX / 2
     low, high = THINGS[thing]
     found = np.zeros(x.shape)
     for right, up in LAMP_AT + np.stack(np.meshgrid(spots, spots), axis=-1).reshape(-1, 2):

@@ -2,8 +2,6 @@
 
 import re
 
-import pytest
-
 from bench import fitted
 from vrcomfort.gpu import shaders
 from vrcomfort.resources import data_folder
@@ -56,14 +54,12 @@ def test_all_notes_of_fits_name_the_benchmark():
     assert sum(notes.values()) == len(constants) >= 12
 
 
-@pytest.mark.parametrize("constant", fitted.constants(), ids=lambda each: each.name)
-def test_the_benchmark_changes_that_constant_alone(constant):
-    plain = shaders.source(constant.file)
-    with fitted.changed(constant, 2.0):
-        other = shaders.source(constant.file)
-    changed = [
-        pair for pair in zip(plain.split("\n"), other.split("\n"), strict=True) if len({*pair}) > 1
-    ]
-    ((before, after),) = changed
-    assert f"{constant.name} = " in before
-    assert f"{constant.name} = {2 * constant.value:.9f};" in after
+def test_the_benchmark_changes_one_constant_alone():
+    for constant in fitted.constants():
+        plain = shaders.source(constant.file).split("\n")
+        with fitted.changed(constant, 2.0):
+            other = shaders.source(constant.file).split("\n")
+        changed = [pair for pair in zip(plain, other, strict=True) if len({*pair}) > 1]
+        ((before, after),) = changed
+        assert f"{constant.name} = " in before
+        assert f"{constant.name} = {2 * constant.value:.9f};" in after

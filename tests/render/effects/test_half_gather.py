@@ -116,8 +116,9 @@ def test_numbers_between_the_two_engines_are_refused():
         DepthOfField(samples=13)
 
 
-@pytest.mark.parametrize("radius_px", [5.0, 10.0, 17.0])
-@pytest.mark.parametrize("lamp_px", [1.5, 3.0, 7.0])
+@pytest.mark.parametrize(
+    ("radius_px", "lamp_px"), [(5.0, 1.5), (5.0, 7.0), (10.0, 3.0), (17.0, 1.5), (17.0, 7.0)]
+)
 def test_a_near_lamp_before_what_is_in_focus_keeps_its_light(ctx, radius_px, lamp_px):
     """However coarse the texels are that it shares with what is in focus."""
     y, x = np.mgrid[:128, :128] + 0.5

@@ -93,8 +93,9 @@ def _lit_by_lamp(ctx, at, radius_px, samples, bar=slice(0)):
     return lit[..., 0].astype(float) * np.pi * radius_px**2 / rgb[..., 0].sum()
 
 
-@pytest.mark.parametrize("samples", [16, 36, 96])
-@pytest.mark.parametrize("radius_px", [9.0, 17.4, 28.0])
+@pytest.mark.parametrize(
+    ("radius_px", "samples"), [(9.0, 16), (9.0, 96), (17.4, 36), (28.0, 16), (28.0, 96)]
+)
 def test_a_lamp_keeps_its_light_and_its_disc_is_round_and_cut_nowhere(ctx, samples, radius_px):
     """With something in focus beside it, its disc lies in tiles of two classes."""
     y, x = np.mgrid[:160, :400] + 0.5

@@ -49,8 +49,7 @@ def test_a_constant_image_stays_constant(ctx, rng, method):
     assert np.abs(blurred.view("i2").astype(int) - rgb.view("i2")).max() <= 1
 
 
-@pytest.mark.parametrize("axis", [0, 1])
-@pytest.mark.parametrize("speed_px", [4.0, 12.0, 20.0])
+@pytest.mark.parametrize(("axis", "speed_px"), [(0, 4.0), (1, 12.0), (0, 20.0)])
 @METHODS
 def test_an_edge_becomes_a_ramp_as_long_as_the_streak(ctx, axis, speed_px, method):
     position = columns() if axis == 0 else columns(96, 128).T
@@ -113,8 +112,10 @@ def test_a_plain_gather_does_not_know_who_hides_whom(ctx):
     assert before[48, 48, 0] == pytest.approx(0.5, abs=0.05)
 
 
-@pytest.mark.parametrize("samples", [2, 4, 8, 16])
-@pytest.mark.parametrize("half_velocity_px", [0.4, 1.3, 5.0, 7.8, 11.6])
+@pytest.mark.parametrize(
+    ("half_velocity_px", "samples"),
+    [(0.4, 2), (0.4, 16), (1.3, 4), (5.0, 2), (5.0, 8), (7.8, 8), (7.8, 16), (11.6, 4), (11.6, 8)],
+)
 def test_a_point_is_spread_as_the_twin_says(ctx, half_velocity_px, samples):
     rgb = np.where(columns() == 64, 1.0, 0.0)[..., None].repeat(3, axis=-1)
     line = motion_blur(ctx, rgb, 2.0, [2 * half_velocity_px, 0.0], samples=samples, **WHOLE)[
@@ -174,7 +175,7 @@ def comb(profile, half_velocity_px, edge):
 
 
 @pytest.mark.parametrize("samples", [8, 16, 32])
-@pytest.mark.parametrize("half_velocity_px", [6.5, 8.0, 9.7, 11.0])
+@pytest.mark.parametrize("half_velocity_px", [6.5, 11.0])
 @pytest.mark.parametrize("passes_by", [False, True])
 def test_a_moving_edge_is_a_ramp_and_no_comb(ctx, samples, half_velocity_px, passes_by):
     """Also in tiles where who hides whom is looked at: a slower thing goes by above."""
@@ -310,22 +311,6 @@ def test_the_longest_streak_is_remembered_over_frames(ctx, rng):
     effect = motion_blur_pass(ctx, rgb, 2.0, [8.0, 0.0], fade_with_turning=fade, **WHOLE)
     effect.render(seen(step=turning(120)))
     assert effect.longest_half_velocity_px() == pytest.approx(4, rel=1e-3)
-
-
-@pytest.mark.parametrize("size_px", [(1, 1), (7, 5), (33, 17), (131, 67)])
-@METHODS
-def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px, method):
-    width, height = size_px
-    rgb = np.exp2(rng.uniform(-20, 15.99, (height, width, 3)))
-    rgb[rng.random((height, width)) < 0.3] = 65504
-    far = np.exp(rng.uniform(np.log(0.02), np.log(3e4), (height, width)))
-    for distance in (np.inf, 0.02, np.where(far > 10, np.inf, far)):
-        for speed in (1e-6, 1.0, 1e2, 1e5, np.inf, np.nan):
-            velocity = speed * rng.normal(0, 1, (height, width, 2))
-            out = motion_blur(ctx, rgb, distance, velocity, max_radius_percent=20.0, method=method)
-            assert np.isfinite(out).all()
-            assert out.max() <= 65504
-            assert out.min() >= 0
 
 
 @METHODS

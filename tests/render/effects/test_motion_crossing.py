@@ -12,7 +12,7 @@ from tests.render.effects.test_optics import evaluate
 from tests.support.effects import motion_blur, motion_blur_pass, texels_of
 from vrcomfort.optics.motion import sampling_of
 
-WIDTH, HEIGHT, FINER = 160, 128, 4
+WIDTH, HEIGHT, FINER = 160, 128, 2
 WHOLE = {"shutter_fraction": 1.0, "max_radius_percent": 20.0, "samples": 16}
 FRONTS = {
     "bar": lambda _, y: np.abs(y) < 16,
@@ -31,7 +31,7 @@ def covered(shape, finer=1):
 
 
 @cache
-def brute_force(shape, velocity, instants=96):
+def brute_force(shape, velocity, instants=41):
     """Return (h, w): how long the front is before each pixel while it goes by, of the shutter."""
     mask = covered(shape, FINER).astype(float)
     instant = (np.arange(instants) + 0.5) / instants - 0.5
@@ -63,9 +63,9 @@ def assert_swept(found, shape, velocity):
     ("front_way", "back_way", "back_px"),
     [
         *((UP, SIDEWAYS, back_px) for back_px in (0.0, 19.0, 21.0, 40.0)),
-        *((SIDEWAYS, UP, back_px) for back_px in (19.0, 40.0)),
-        *((DIAGONAL, OTHER_DIAGONAL, back_px) for back_px in (21.0, 40.0)),
-        *((UP, DIAGONAL, back_px) for back_px in (19.0, 21.0)),
+        (SIDEWAYS, UP, 40.0),
+        (DIAGONAL, OTHER_DIAGONAL, 21.0),
+        (UP, DIAGONAL, 19.0),
     ],
 )
 @pytest.mark.parametrize("shape", FRONTS)

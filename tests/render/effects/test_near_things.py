@@ -104,7 +104,7 @@ def in_three_ways(ctx, monkeypatch):
 
     @cache
     def through_the_lens(content):
-        return result(content, views=64)
+        return result(content, views=36)
 
     def draw(content, **settings):
         ours = result(content, **settings)
@@ -146,8 +146,7 @@ def test_nothing_shines_through_a_near_board_behind_a_near_bar(in_three_ways):
     assert rms(ours - true) < 1.1 * rms(alone - true)
 
 
-@pytest.mark.parametrize("samples", [16, 96])
-@pytest.mark.parametrize("slope", [0.25, 1 / 3, 0.4])
+@pytest.mark.parametrize(("samples", "slope"), [(16, 0.25), (96, 1 / 3), (16, 0.4)])
 def test_nothing_shines_through_where_two_near_boards_overlap(ctx, samples, slope):
     """They have one colour, and fill the image: so does their blur. Behind them is a bright wall.
 
@@ -279,6 +278,7 @@ def near_lamp(radius_px, samples):
     return scene(nodes, [mesh(rim, fans), wall(40, 1)], shine), condition(**lens)
 
 
+@cache
 def disc_of_lamp(radius_px):
     """Return (h, w) of its light in each pixel: of two circles, their overlap."""
     y, x = (np.mgrid[: 8 * SIZE_PX[1], : 8 * SIZE_PX[0]] + 0.5) / 8
@@ -309,8 +309,9 @@ def test_a_near_lamp_s_disc_is_as_wide_as_the_lens_makes_it(ctx, radius_px, samp
         assert radius_px_of(lit, light) == pytest.approx(radius_px_of(true, light), abs=0.3)
 
 
-@pytest.mark.parametrize("samples", [16, 36, 96])
-@pytest.mark.parametrize("radius_px", [6.7, 9.0, 12.0])
+@pytest.mark.parametrize(
+    ("radius_px", "samples"), [(6.7, 16), (6.7, 36), (9.0, 16), (9.0, 96), (12.0, 36), (12.0, 96)]
+)
 def test_a_near_lamp_is_white_as_far_as_through_the_lens(ctx, radius_px, samples):
     """However coarse the level is on which its disc is summed."""
     content, wanted = near_lamp(radius_px, samples)
@@ -350,7 +351,7 @@ def board_from(edge):
 def part_of_disc(lamp_at, edge=None):
     """Return (h, w) of the lamp's light: of each of its points, where the board lets it pass."""
     y, x = np.mgrid[: WIDE_PX[1], : WIDE_PX[0]] + 0.5 - np.array(WIDE_PX)[::-1, None, None] / 2
-    spots = (np.arange(16) + 0.5) / 16 * LAMP_SIDE_PX - LAMP_SIDE_PX / 2
+    spots = (np.arange(8) + 0.5) / 8 * LAMP_SIDE_PX - LAMP_SIDE_PX / 2
     found = np.zeros(x.shape)
     for right, up in lamp_at + np.stack(np.meshgrid(spots, spots), axis=-1).reshape(-1, 2):
         away = np.stack([x - right, y - up])

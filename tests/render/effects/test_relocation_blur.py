@@ -50,8 +50,9 @@ def after_cut(effect, elapsed_s):
     return rgb_of(effect.target)
 
 
-@pytest.mark.parametrize("level", [0.3, 1.0, 2.5, 6.0])
-@pytest.mark.parametrize("share_left", [1.0, 0.75, 0.1])
+@pytest.mark.parametrize(
+    ("level", "share_left"), [(0.3, 1.0), (1.0, 0.75), (2.5, 1.0), (6.0, 0.75), (6.0, 0.1)]
+)
 def test_the_image_is_that_of_a_level_which_falls_with_time(relocation, level, share_left):
     effect, rgb = relocation(level=level, duration_s=2.0)
     found = after_cut(effect, 2 * (1 - share_left))

@@ -34,7 +34,7 @@ THROUGH = {
     "apart": "near_gather.frag (the same)",
     "near_over": "near_over.frag and complex.frag (render/effects/test_far_lamps.py)",
     "finite": "resolve.frag and colour_and_coc.frag (render/effects/test_resolve.py)",
-    "velocity_at": "the shaders of motion blur (render/effects/test_motion_blur.py: extremes)",
+    "velocity_at": "the shaders of motion blur (render/effects/test_extremes_fuzz.py)",
     "half_velocity_at": "the same (render/effects/test_motion_blur.py: the limit, the shutter)",
     "read_across": "the same (as the twin says)",
     "axis_across": "the same, where reads are cubic (more samples are closer)",

@@ -86,8 +86,7 @@ def twin_px(settings, distance_m, focus_m, size_px, lens_of=None):
 
 
 @pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("place", EYES)
-@pytest.mark.parametrize("focus_m", [0.5, 2.0, 3e4])
+@pytest.mark.parametrize(("place", "focus_m"), [(EYES[0], 0.5), (EYES[1], 2.0), (EYES[0], 3e4)])
 def test_the_shader_computes_what_its_twin_does(ctx, name, place, focus_m):
     size_px = (50, 40)
     distance = np.geomspace(0.05, 3e4, 2000)
@@ -105,8 +104,9 @@ def test_the_shader_computes_what_its_twin_does(ctx, name, place, focus_m):
     np.testing.assert_allclose(signed_radii(effect, size_px), expected, rtol=1e-3, atol=2e-3)
 
 
-@pytest.mark.parametrize("name", ["dioptre", "eye", "thin_lens"])
-@pytest.mark.parametrize("focus_m", [0.5, 2.0, 3e4])
+@pytest.mark.parametrize(
+    ("name", "focus_m"), [("dioptre", 0.5), ("eye", 2.0), ("thin_lens", 3e4), ("thin_lens", 0.5)]
+)
 def test_radii_are_those_of_float64_before_they_are_rounded(ctx, name, focus_m):
     """The record's shader on tiles of four equal pixels: float32, before any limit."""
     size_px, settings = (50, 40), lens(**LAWS[name])

@@ -33,7 +33,7 @@ def hits_of(ctx, content, gazes, *, head=None, along_ray=False, time_s=0.0):
     return [*found, *hits.drain()]
 
 
-@pytest.mark.parametrize("name", ["temple", "mountain", "depths"])
+@pytest.mark.parametrize("name", ["mountain", "depths"])
 def test_hits_are_those_of_rays_on_the_cpu(ctx, name):
     content = load_scene(name)
     random = np.random.default_rng(5)

@@ -75,7 +75,7 @@ def samples_of(
     return [*samples, *focus.drain()]
 
 
-@pytest.mark.parametrize("distance_m", [0.05, 1.0, 7.3, 500.0, 29_000.0])
+@pytest.mark.parametrize("distance_m", [0.05, 7.3, 29_000.0])
 def test_a_wall_before_the_head_is_at_its_distance_on_all_rays(ctx, distance_m):
     scene = scene_of([wall(distance_m, size_m=distance_m)])
     (sample,) = samples_of(ctx, scene)

@@ -104,8 +104,7 @@ def after(law, time_s):
 
 
 @pytest.mark.parametrize("law", EXACT)
-@pytest.mark.parametrize("rate_hz", [30, 72, 90, 120])
-@pytest.mark.parametrize("dropped", [0.0, 0.3])
+@pytest.mark.parametrize(("rate_hz", "dropped"), [(30, 0.0), (72, 0.3), (120, 0.3)])
 def test_no_frame_rate_and_no_dropped_frame_changes_the_course(law, rate_hz, dropped):
     random = np.random.default_rng(rate_hz)
     shown = np.flatnonzero(random.random(rate_hz) >= dropped)
@@ -119,7 +118,7 @@ def test_no_frame_rate_and_no_dropped_frame_changes_the_course(law, rate_hz, dro
     assert state.focus_m == pytest.approx(0.5, rel=1e-9)
 
 
-@pytest.mark.parametrize("rate_hz", [30, 72, 90, 120])
+@pytest.mark.parametrize("rate_hz", [30, 120])
 def test_the_discrete_filter_depends_on_the_rate_and_gets_there(rate_hz):
     settings = Focus(law="low_pass_backward_euler")
     steps = [1 / rate_hz] * (rate_hz // 5)

@@ -23,7 +23,7 @@ SETTINGS = Focus(method="autofocus_zone", law="instant")
 sizes = st.tuples(st.integers(1, 37), st.integers(1, 37))
 
 
-@pytest.mark.parametrize("size_px", [(1, 1), (64, 64), (63, 17)])
+@pytest.mark.parametrize("size_px", [(1, 1), (63, 17)])
 def test_weights_fall_from_the_middle_to_the_border_as_a_gaussian(size_px):
     width, height = size_px
     weights = zone.gauss_weights(size_px, SETTINGS)
@@ -99,8 +99,10 @@ def test_an_extreme_is_one_of_the_pixels_and_none_goes_beyond_it(image, weighs):
         assert found["minimum"] / slack <= found["mean"] <= found["maximum"] * slack
 
 
-@pytest.mark.parametrize("statistic", ["mean", "minimum", "maximum"])
-@pytest.mark.parametrize("size_px", [(1, 1), (64, 64), (63, 17), (2, 5)])
+@pytest.mark.parametrize(
+    ("statistic", "size_px"),
+    [("mean", (1, 1)), ("mean", (63, 17)), ("minimum", (64, 64)), ("maximum", (2, 5))],
+)
 def test_the_plan_counts_the_passes_that_are_drawn(ctx, statistic, size_px):
     content = target_before_a_wall()
     settings = SETTINGS.model_copy(update={"zone_statistic": statistic, "zone_size_px": size_px})
@@ -145,8 +147,10 @@ def cpu_zone_m(settings, tangents, target_weight):
     return zone_focus_m(zone.reduced(depth, weights, NEAR_M, settings), NEAR_M, settings)
 
 
-@pytest.mark.parametrize("mean", ["metres", "dioptres"])
-@pytest.mark.parametrize("size_px", [(64, 64), (63, 37), (5, 7), (40, 32)])
+@pytest.mark.parametrize(
+    ("mean", "size_px"),
+    [("metres", (64, 64)), ("dioptres", (63, 37)), ("metres", (5, 7)), ("dioptres", (40, 32))],
+)
 @pytest.mark.parametrize("weight", [0.004, 1.0])
 def test_the_gpu_and_the_cpu_find_what_is_worked_out_by_hand(ctx, mean, size_px, weight):
     content = target_before_a_wall(semantic_weight=weight)
@@ -160,7 +164,7 @@ def test_the_gpu_and_the_cpu_find_what_is_worked_out_by_hand(ctx, mean, size_px,
     assert not found.used.any()
 
 
-@pytest.mark.parametrize("size_px", [(64, 64), (63, 37), (5, 7), (40, 32)])
+@pytest.mark.parametrize("size_px", [(63, 37), (5, 7)])
 @pytest.mark.parametrize(
     ("statistic", "weight", "expected_m"),
     [
