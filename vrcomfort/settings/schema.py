@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import json
-import textwrap
+import sys
 import typing
 from collections.abc import Iterator, Mapping
 from functools import cache
@@ -55,13 +55,7 @@ def key_texts(model: type[BaseModel]) -> dict[str, str]:
     for base in reversed(model.__mro__):
         if not issubclass(base, BaseModel) or base.__module__.startswith("pydantic"):
             continue
-        try:
-            source = inspect.getsource(base)
-        except OSError:  # of `create_model`, whose fields have their descriptions
-            continue
-        (tree,) = ast.parse(textwrap.dedent(source)).body
-        body = tree.body if isinstance(tree, ast.ClassDef) else []
-        for key, text in pairwise(body):
+        for key, text in pairwise(_classes_of(base.__module__).get(base.__name__, [])):
             if (
                 isinstance(key, ast.AnnAssign)
                 and isinstance(key.target, ast.Name)
@@ -70,6 +64,19 @@ def key_texts(model: type[BaseModel]) -> dict[str, str]:
             ):
                 texts[key.target.id] = in_one_line(str(text.value.value))
     return texts
+
+
+@cache
+def _classes_of(module: str) -> dict[str, list[ast.stmt]]:
+    """Return name → statements of the classes in a module's source.
+
+    Those of `create_model` are in none; their fields have their descriptions.
+    """
+    try:
+        tree = ast.parse(inspect.getsource(sys.modules[module]))
+    except OSError:  # a file that is gone
+        return {}
+    return {each.name: each.body for each in tree.body if isinstance(each, ast.ClassDef)}
 
 
 def in_one_line(text: str) -> str:
