@@ -33,13 +33,16 @@ def assert_whole(tmp_path: Path) -> None:
 
 
 def test_a_pause_stops_the_clock_and_is_recorded_with_its_duration(tmp_path):
+    """Nothing is rendered meanwhile, and the desk goes on seeing."""
     respondent = Scripted()
-    steered(
+    desk = steered(
         tmp_path,
         Wanted("exposure", "pause", after=30),
         Wanted("exposure", "go_on", after=25),
         respondent=respondent,
     )
+    assert sum(frame.paused for frame, *_ in desk.seen) == pytest.approx(25, abs=1)
+    assert [response for _, response in desk.ratings] == [4, 4, 4, 4]
     assert attempts(tmp_path)[0] == ("1", "1", "0", "completed", "")
     trial = rows(tmp_path, "trials")[0]
     assert (trial["frames"], trial["live_s"]) == ("100", "10.0")
@@ -57,15 +60,6 @@ def test_a_pause_stops_the_clock_and_is_recorded_with_its_duration(tmp_path):
     times = [int(row["xr_time_ns"]) for row in shown]
     assert (times[30] - times[29]) / 1e9 == pytest.approx(2.6, abs=0.11)
     assert_whole(tmp_path)
-
-
-def test_nothing_is_rendered_while_paused_and_the_desk_goes_on_seeing(tmp_path):
-    desk = steered(
-        tmp_path, Wanted("exposure", "pause", after=30), Wanted("exposure", "go_on", after=20)
-    )
-    paused = [frame for frame, *_ in desk.seen if frame.paused]
-    assert len(paused) == pytest.approx(20, abs=1)
-    assert [response for _, response in desk.ratings] == [4, 4, 4, 4]
 
 
 @pytest.mark.smoke
@@ -225,21 +219,19 @@ def test_a_note_is_kept_whatever_it_was_meant_for(tmp_path):
     assert refused[1].endswith("note: note needs a note; enter it")
 
 
-@pytest.mark.parametrize(
-    ("kind", "action", "words"),
-    [
-        ("rest", "redo", "redo has no meaning in this step: rest of 60 s"),
-        ("questionnaire", "pause", "pause has no meaning in this step: questionnaire ssq"),
-        ("exposure", "go_on", "nothing is paused"),
-        ("exposure", "recentre", "this headset cannot be recentred"),
-        ("exposure", "abort", "abort needs the reason; enter it"),
-        ("exposure", "explode", "there is no action 'explode'"),
-    ],
-)
-def test_what_has_no_meaning_is_refused_in_a_sentence(tmp_path, kind, action, words):
-    desk = steered(tmp_path, Wanted(kind, action))
-    ((_, refusal),) = desk.replies
-    assert refusal.startswith(words)
+def test_what_has_no_meaning_is_refused_in_a_sentence(tmp_path):
+    meant = {
+        ("questionnaire", "pause"): "pause has no meaning in this step: questionnaire ssq",
+        ("exposure", "go_on"): "nothing is paused",
+        ("exposure", "recentre"): "this headset cannot be recentred",
+        ("exposure", "abort"): "abort needs the reason; enter it",
+        ("exposure", "explode"): "there is no action 'explode'",
+        ("rest", "redo"): "redo has no meaning in this step: rest of 60 s",
+    }
+    desk = steered(tmp_path, *(Wanted(kind, action) for kind, action in meant))
+    assert [action for action, _ in desk.replies] == [action for _, action in meant]
+    for (_, refusal), words in zip(desk.replies, meant.values(), strict=True):
+        assert refusal.startswith(words)
     assert desk.outcome.status == "enrolled"
 
 

@@ -54,7 +54,7 @@ def widest_margin(groups, known):
     return max(abs(counts[(*margin, "near")] - counts[(*margin, "far")]) for margin in margins)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize(("rounds", "most"), [([1], 1), ([2], 2), ([1, 2, 3], 3)])
 def test_blocks_stay_within_half_a_block_in_every_stratum_at_every_moment(seed, rounds, most):
     known = people(120, seed)
@@ -85,20 +85,14 @@ def test_unequal_shares_are_kept_in_every_block():
         assert sorted(groups[start : start + 3]) == ["far", "near", "near"]
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_minimisation_keeps_margins_together_where_chance_does_not(seed):
-    known = people(200, seed)
-    minimised = enrolled(grouped(f'method = "minimisation"\n{BY}'), known, seed)
-    assert widest_margin(minimised, known) <= 4
-
-
-def test_chance_alone_leaves_margins_apart():
-    protocol = grouped('method = "simple"')
-    widest = []
-    for seed in range(4):
+def test_minimisation_keeps_margins_together_where_chance_does_not():
+    minimised, chance = grouped(f'method = "minimisation"\n{BY}'), grouped('method = "simple"')
+    by_chance = []
+    for seed in range(2):
         known = people(200, seed)
-        widest.append(widest_margin(enrolled(protocol, known, seed), known))
-    assert np.mean(widest) > 8
+        assert widest_margin(enrolled(minimised, known, seed), known) <= 4
+        by_chance.append(widest_margin(enrolled(chance, known, seed), known))
+    assert np.mean(by_chance) > 8
 
 
 def test_minimisation_by_hand():

@@ -132,11 +132,19 @@ def entered(renderer):
     ids=lambda given: getattr(given, "name", given),
 )
 def test_memory_is_what_opengl_says_the_objects_hold(ctx, condition, samples):
-    survey = Survey(ctx)
-    before = survey.names()
+    """And nothing as soon as the pipeline is gone, before Python looks for cycles."""
+    survey, account = Survey(ctx), gpu_memory.account(ctx)
+    before, first = survey.names(), account.mark()
     renderer = StereoRenderer(ctx, SIZE, samples=samples)
-    renderer.build(still_life(), condition)
-    assert entered(renderer) == survey.bytes_since(before)
+    gc.disable()
+    try:
+        renderer.build(still_life(), condition)
+        assert entered(renderer) == survey.bytes_since(before)
+        assert account.between(first, account.mark())
+        renderer.release()
+        assert account.between(first, account.mark()) == ()
+    finally:
+        gc.enable()
 
 
 @pytest.mark.parametrize("condition", CONDITIONS, ids=lambda condition: condition.name)
@@ -160,22 +168,6 @@ def test_memory_of_a_headsets_size_is_allocated(ctx):
     # Colour, depth and velocity with four samples and with one, and two tone-mapped images.
     least = pixels * (5 * (8 + 4 + 4) + 2 * 4)
     assert entered(renderer)["textures"] > least
-
-
-@pytest.mark.parametrize("condition", CONDITIONS, ids=lambda condition: condition.name)
-def test_a_pipeline_holds_nothing_as_soon_as_it_is_gone(ctx, condition):
-    """Or two conditions would fill the GPU until Python looks for cycles."""
-    account = gpu_memory.account(ctx)
-    first = account.mark()
-    renderer = StereoRenderer(ctx, SIZE)
-    gc.disable()
-    try:
-        renderer.build(still_life(), condition)
-        assert account.between(first, account.mark())
-        renderer.release()
-        assert account.between(first, account.mark()) == ()
-    finally:
-        gc.enable()
 
 
 def test_mipmaps_go_down_to_one_texel():

@@ -25,14 +25,14 @@ def sooner(monkeypatch):
         monkeypatch.setattr(module, "LONG_BYTES", LONG_BYTES // 40)
 
 
-def rows(*, shuffled=False, ratings_each=RATINGS):
+def rows(*, shuffled=False):
     """Return rows of ten exposures, as labs write them."""
     random = np.random.default_rng(7)
     missed = {0: ("", "1"), 1: ("NA", "0"), 2: ("n/a", "")}
     found = []
     for exposure in range(10):
         who, trial = f"P{exposure // 2}", exposure % 2 + 1
-        for place in range(ratings_each):
+        for place in range(RATINGS):
             said, code = missed.get(place % 50, (f"{random.uniform(0, 20):.3f}", "0"))
             where = f"{who},pre,{trial},{'ab'[trial - 1]}"
             found.append(f"{where},{100 + place / 2}, ,fms,{said},{code},0")
@@ -56,10 +56,9 @@ def content(series):
     }
 
 
-@pytest.mark.parametrize("shuffled", [False, True])
 @pytest.mark.usefixtures("sooner")
-def test_text_csv_and_parquet_are_the_same(tmp_path, shuffled):
-    file = write(tmp_path, rows(shuffled=shuffled))
+def test_text_csv_and_parquet_are_the_same(tmp_path):
+    file = write(tmp_path, rows(shuffled=True))
     text, out_of_core = _as_text(file), read_ratings([file])
     (packed,) = pack_study(tmp_path, Memory())
     assert packed.new
@@ -105,8 +104,9 @@ def test_a_rating_without_a_moment_says_whose_it_is(tmp_path, who, told):
         read_ratings([file])
 
 
+@pytest.mark.usefixtures("sooner")
 def test_a_half_written_last_row_is_told_and_left_out(tmp_path):
-    file = write(tmp_path, rows(ratings_each=4000))
+    file = write(tmp_path, rows())
     whole = sum(each.response.size for each in read_ratings([file]).series)
     with file.open("a", encoding="utf-8") as stream:
         stream.write("P9,pre,1,a,77")

@@ -233,11 +233,15 @@ one_of = ["left", "right"]
 @pytest.mark.parametrize(
     ("keys", "said"),
     [
-        ('every = 3\nside = "left"', ""),
-        ("every = 3", "`side` is missing"),
-        ('every = 0\nside = "left"', "`every`: should be greater than or equal to 1"),
-        ('evry = 3\nside = "left"', "unknown key `evry`; did you mean `every`?"),
-        ('side = "lef"', "`side`: should be 'left' or 'right', got 'lef'; did you mean `left`?"),
+        ('every = 3\nside = "left"', []),
+        ("every = 0", ["`side` is missing", "`every`: should be greater than or equal to 1"]),
+        (
+            'evry = 3\nside = "lef"',
+            [
+                "unknown key `evry`; did you mean `every`?",
+                "`side`: should be 'left' or 'right', got 'lef'; did you mean `left`?",
+            ],
+        ),
     ],
 )
 def test_check_validates_the_settings_that_are_declared_beside_a_task(
@@ -248,8 +252,8 @@ def test_check_validates_the_settings_that_are_declared_beside_a_task(
     (folder / "study.toml").write_text(text.replace('"nod.py"', f'"nod.py"\n{keys}'))
     monkeypatch.chdir(folder)
     code, _, err = run("check", "study.toml", "--no-draw")
-    assert (code == 0) == (said == "")
-    assert said in err
+    assert (code == 0) == (said == [])
+    assert all(each in err for each in said)
     assert not (folder / "ran").exists()
 
 

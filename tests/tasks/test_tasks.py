@@ -202,9 +202,8 @@ def opaque_parts(scene):
     return replace(scene, nodes=tuple(map(part, scene.nodes)))
 
 
-@pytest.mark.parametrize("name", ["temple", "mountain"])
-def test_rays_meet_what_an_independent_ray_cast_meets(name):
-    scene = load_scene(name)
+def test_rays_meet_what_an_independent_ray_cast_meets():
+    scene = load_scene("temple")
     solid = opaque_parts(scene)
     caster = RayCaster(solid)
     eye = scene.spawn @ Pose(np.array([0.0, 1.6, 0.0]))
@@ -225,14 +224,14 @@ def test_rays_meet_what_turns_wherever_it_is_at_a_time():
     eye, orrery = np.array([-0.7, 1.6, -3.9]), np.array([-1.85, 1.55, -5.1])
     rng = np.random.default_rng(5)
     met = 0
-    for time_s in rng.uniform(0.0, 20.0, 4):
+    for time_s in rng.uniform(0.0, 20.0, 2):
         aimed = orrery + rng.uniform(-0.42, 0.42, (40, 3)) * [1.0, 0.3, 1.0]
         rays = [Pose(eye, turn_to(normalize(each - eye))) for each in aimed]
         found = [caster.cast(ray, time_s) for ray in rays]
         wanted = cast(solid, time_s, [eye] * 40, [ray.forward for ray in rays])
         np.testing.assert_allclose([hit.distance_m for hit in found], wanted, rtol=1e-4)
         met += sum(hit.node.startswith("orrery_") for hit in found)
-    assert met > 8
+    assert met > 4
 
 
 def test_a_ray_names_the_node_that_it_meets():
@@ -322,7 +321,7 @@ def test_a_plan_reads_hits_precision_and_reaction_times(study):
 
 def test_verify_knows_the_file_and_sees_a_row_that_cannot_be(study, tmp_path):
     assert not verify_study(study).faults
-    do(tmp_path)
+    shutil.copytree(study, tmp_path / "S")
     file = tmp_path / "S" / "sub-P01/ses-1/tasks.csv"
     cell(file, 3, "condition", "elsewhere")
     cell(file, 4, "trial", "9")

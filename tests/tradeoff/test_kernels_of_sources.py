@@ -60,13 +60,12 @@ def ulps(a, b):
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
-@pytest.mark.parametrize("pixel_aspect", [1.0, 1.25])
-def test_a_kernel_is_its_twin(ctx, rng, kernel, pixel_aspect):
+def test_a_kernel_is_its_twin(ctx, rng, kernel):
     rgb = rng.uniform(0, 1, (17, 16, 3)).astype("f2")
     radius = rng.uniform(-6, 6, (17, 16)) * rng.integers(0, 2, (17, 16))
-    found = blur(ctx, kernel, rgb, radius, max_radius_px=6.0, pixel_aspect=pixel_aspect)
+    found = blur(ctx, kernel, rgb, radius, max_radius_px=6.0, pixel_aspect=1.25)
     # Half floats, and in pyramids one after the other.
-    np.testing.assert_allclose(found.rgb, twin(kernel, found, pixel_aspect), atol=2**-9)
+    np.testing.assert_allclose(found.rgb, twin(kernel, found, 1.25), atol=2**-9)
     assert np.abs(found.rgb - rgb).max() > 0.1
 
 
@@ -87,21 +86,19 @@ def test_what_is_in_focus_is_copied_bit_for_bit(ctx, rng, kernel):
     np.testing.assert_array_equal(found.rgb.view("i2"), rgb.view("i2"))
 
 
-@pytest.mark.parametrize("kernel", get_args(Kernel))
-def test_without_aperture_every_kernel_gives_the_pinhole_image(ctx, rng, kernel):
+def test_without_aperture_every_kernel_gives_the_pinhole_image(ctx, rng):
     rgb = np.exp(rng.uniform(-9, 11, (13, 21, 3))).astype("f2")
     distance_m = rng.uniform(0.1, 50, (13, 21))
-    found = depth_of_field(ctx, rgb, distance_m, FOCUS_M, kernel=kernel, max_radius_percent=0)
-    np.testing.assert_array_equal(found.view("i2"), rgb.view("i2"))
+    for kernel in get_args(Kernel):
+        found = depth_of_field(ctx, rgb, distance_m, FOCUS_M, kernel=kernel, max_radius_percent=0)
+        np.testing.assert_array_equal(found.view("i2"), rgb.view("i2"), err_msg=kernel)
 
 
 @pytest.mark.parametrize("kernel", KERNELS)
-@pytest.mark.parametrize("size_px", [(1, 1), (7, 5), (33, 17)])
-def test_extremes_stay_finite_and_within_the_image(ctx, rng, kernel, size_px):
-    width, height = size_px
-    rgb = np.exp2(rng.uniform(-14, 15.99, (height, width, 3))).astype("f2")
-    rgb[rng.random((height, width)) < 0.3] = 65504
-    for max_radius_px in (1e-3, 3.0, 40.0):
+def test_extremes_stay_finite_and_within_the_image(ctx, rng, kernel):
+    for (width, height), max_radius_px in (((1, 1), 40.0), ((7, 5), 1e-3), ((33, 17), 3.0)):
+        rgb = np.exp2(rng.uniform(-14, 15.99, (height, width, 3))).astype("f2")
+        rgb[rng.random((height, width)) < 0.3] = 65504
         mixed = rng.uniform(-max_radius_px, max_radius_px, (height, width))
         for radius in (-max_radius_px, max_radius_px, mixed):
             out = blur(ctx, kernel, rgb, radius, max_radius_px=max_radius_px).rgb
@@ -110,8 +107,10 @@ def test_extremes_stay_finite_and_within_the_image(ctx, rng, kernel, size_px):
             assert out.min() >= rgb.min() * (1 - 2**-9)
 
 
-@pytest.mark.parametrize("kernel", ["scatter", "poisson15_near"])
-@pytest.mark.parametrize("radius_px", [1.5, 4.0, 6.4])
+@pytest.mark.parametrize(
+    ("kernel", "radius_px"),
+    [("scatter", 1.5), ("scatter", 6.4), ("poisson15_near", 1.5), ("poisson15_near", 4.0)],
+)
 def test_a_bright_patch_keeps_its_energy_and_gets_the_discs_variance(ctx, kernel, radius_px):
     rgb = np.zeros((48, 64, 3))
     rgb[22:26, 30:34] = 1.0
@@ -360,7 +359,7 @@ def test_the_last_level_is_at_least_as_blurred_as_the_widest_disc(max_radius_px,
     assert pyramid_levels(max_radius_px) == wanted
 
 
-@pytest.mark.parametrize("radius_px", [1.0, 2.0, 3.0, 4.0, 7.0, 8.0])
+@pytest.mark.parametrize("radius_px", [1.0, 3.0, 8.0])
 def test_a_pyramid_spreads_points_as_far_as_a_disc_on_average(radius_px):
     """Where a point lies in its texel matters to its blur; the mean over all places is a disc's."""
     places = np.arange(64, 72)
