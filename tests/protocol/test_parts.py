@@ -189,7 +189,7 @@ def test_groups_and_parts_are_run_recorded_and_planned(tmp_path):
     assert state.next_sequence in {each.name for each in build_design(protocol).sequences}
 
 
-def test_files_have_the_part_of_each_exposure(tmp_path):
+def test_files_have_the_part_of_each_exposure_and_reports_plan_those_of_all_parts(tmp_path):
     protocol = in_parts(tmp_path)
     assert go(tmp_path, Scripted(), protocol=protocol).status == "completed"
     assert [row["part"] for row in rows(tmp_path, "trials")] == ["single"] * 2 + ["in_turn"] * 4
@@ -202,6 +202,8 @@ def test_files_have_the_part_of_each_exposure(tmp_path):
     posts = [sheet for sheet in study.sheets if sheet.timepoint == "post"]
     facts = Facts.of(study, PLAN)
     assert [facts.row(sheet)["part"] for sheet in posts] == ["single"] * 2 + ["in_turn"] * 4
+    few = posts[:2]  # of whoever stopped early
+    assert planned_exposures(study, PLAN, few, "ssq") == {"plain": 3, "blur": 3}
 
 
 def test_answers_about_a_session_of_one_part_have_it(tmp_path):
@@ -229,15 +231,6 @@ def test_studies_of_older_versions_lack_the_column():
     columns = TrialRow.columns()
     third, fourth = (set(columns_of_version(v, "trials.csv", columns)) for v in (3, 4))
     assert fourth - third == {"part"}
-
-
-def test_the_report_plans_the_exposures_of_all_parts(tmp_path):
-    protocol = in_parts(tmp_path)
-    go(tmp_path, Scripted(), protocol=protocol)
-    study = read_study(tmp_path / "S")
-    posts = [sheet for sheet in study.sheets if sheet.timepoint == "post"]
-    few = posts[:2]  # of whoever stopped early
-    assert planned_exposures(study, PLAN, few, "ssq") == {"plain": 3, "blur": 3}
 
 
 def test_hillaires_parts_are_those_of_the_paper():
@@ -298,22 +291,15 @@ def test_parts_that_cannot_be_met_are_refused(tmp_path, text, says):
     )
 
 
-def ends_with(folder, first, second):
-    """Run two sessions, each asked about as a whole alone; return session → the condition found."""
+def test_a_session_questionnaire_inherits_a_condition_that_all_its_trials_share(tmp_path):
+    """Two sessions, each asked about as a whole alone."""
     start, end = PROTOCOL.index("sessions = ["), PROTOCOL.index("[[questionnaires]]")
-    text = f"{PROTOCOL[:start]}sessions = [[{first}], [{second}]]\n{PROTOCOL[end:]}"
+    text = f"{PROTOCOL[:start]}sessions = [[{A}, {A}], [{A}, {B}]]\n{PROTOCOL[end:]}"
     text = text.replace('when = "after_trial"', 'when = "session_end"')
-    go(folder, Scripted(), protocol=tiny_protocol(folder, text), sessions=[1, 2])
-    study = read_study(folder / "S")
+    go(tmp_path, Scripted(), protocol=tiny_protocol(tmp_path, text), sessions=[1, 2])
+    study = read_study(tmp_path / "S")
     facts = Facts.of(study, PLAN)
     asked = [sheet for sheet in study.sheets if sheet.timepoint == "post"]
     assert {sheet.condition for sheet in asked} == {""}
-    return {sheet.session: facts.row(sheet)["condition"] for sheet in asked}
-
-
-def test_a_session_questionnaire_inherits_the_condition_that_all_its_trials_share(tmp_path):
-    assert ends_with(tmp_path, f"{A}, {A}", B) == {"1": "plain", "2": "blur"}
-
-
-def test_a_session_questionnaire_of_several_conditions_has_none(tmp_path):
-    assert ends_with(tmp_path, f"{A}, {B}", f"{B}, {B}") == {"1": "", "2": "blur"}
+    found = {sheet.session: facts.row(sheet)["condition"] for sheet in asked}
+    assert found == {"1": "plain", "2": ""}
