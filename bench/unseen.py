@@ -9,7 +9,8 @@ of the engine's own lens is in them.
 rms, edges      RMS error·10³ of display values, and where near things' discs reach
 seams           pixels of wide blur that are off their 5×5 median by more than 2/255
 cuts            pixels beside which the image steps by 2/255 more than the reference along most of
-                24 pixels of a row or column: heads are rolled, so that few things in a scene do
+                24 pixels of a row or column: heads are rolled, so that few things in a scene do.
+                As much as halves of the reference's views differ within 2 pixels is no step
 flicker         99.9th percentile of the change of the error, of 255, while the head moves 3.3 mm
 rivalry         mean difference·10³ of the errors at matching points of both eyes
 
@@ -26,7 +27,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.ndimage import median_filter, uniform_filter1d
+from scipy.ndimage import maximum_filter1d, median_filter, uniform_filter1d
 from scipy.stats import qmc
 
 from bench.table import Result
@@ -59,6 +60,8 @@ FRAME, PERIOD_NS = 90, 11_111_111
 LONG_PX = 24
 """Of a row or column, along which the error of a cut is a step."""
 STEP = 2 / 255
+BESIDE_PX = 2
+"""How far from a step another reference may have it."""
 IPD_M, STEP_M = 0.063, 0.0033
 """To the right: the other eye, and a head a frame later (0.3 m/s)."""
 MOST = 0.75
@@ -124,27 +127,33 @@ def drawn_with(found: Case, method: BlurMethod) -> Capture:
 
 
 def through_the_lens(found: Case, samples: int, *, seed: int = 0) -> Array:
-    """Return the (h, w, 3) mean radiance of the judged window, seen from all over the lens.
+    """Return the (h, w, 3) mean radiance of the judged window, seen from all over the lens."""
+    mean: Array = halves_of_views(found, samples, seed=seed).mean(axis=0)
+    return mean
 
-    A camera at a point p of the lens keeps the plane of focus where it is: of its frustum, each
-    tangent loses p / focus. The lens's radius is that of the law in dioptres: a defocus of
-    `full_blur_dioptre` makes a disc of `percent` of the image's width.
+
+def halves_of_views(found: Case, samples: int, *, seed: int = 0) -> Array:
+    """Return (2, h, w, 3) means of the first and of the last half of views through the lens.
+
+    Each half is seen from all over the lens. A camera at a point p of it keeps the plane of focus
+    where it is: of its frustum, each tangent loses p / focus. The lens's radius is that of the law
+    in dioptres: a defocus of `full_blur_dioptre` makes a disc of `percent` of the image's width.
     """
     view = found.view
     focal_px = focal_length_px(view.fov, found.whole_px)[0]
     radius_m = view.percent / 100 * found.whole_px[0] / focal_px / view.full_blur_dioptre
     fov = sub_frustum(view.fov, found.window, found.whole_px)
     drawing = ScenePass(context(), found.scene, found.window.size_px, velocity=False)
-    total = np.zeros((found.window.height_px, found.window.width_px, 3))
-    for x, y in _disc(samples, seed) * radius_m:
+    total = np.zeros((2, found.window.height_px, found.window.width_px, 3))
+    for index, (x, y) in enumerate(_disc(samples, seed) * radius_m):
         camera = EyeCamera(
             view.head @ Pose((x, y, 0.0)),
             _sheared(fov, x / view.focus_m, y / view.focus_m),
             world_from_head=view.head,
         )
         drawing.render(camera, TIME_S)
-        total += read_rgb(drawing.colour)
-    return total / samples
+        total[2 * index // samples] += read_rgb(drawing.colour)
+    return 2 * total / samples
 
 
 def _sheared(fov: Fov, x: float, y: float) -> Fov:
@@ -159,16 +168,19 @@ def _disc(samples: int, seed: int) -> Array:
     return np.column_stack([radius * np.cos(2 * np.pi * turn), radius * np.sin(2 * np.pi * turn)])
 
 
-def cuts(image: Array, true: Array) -> int:
+def cuts(image: Array, true: Array, halves: Array) -> int:
     """Count pixels beside which an (h, w) luminance steps along rows or columns, and `true` less.
 
-    A step is between two pixels, and unlike what the image does beside it: a slope is none.
+    A step is between two pixels, and unlike what the image does beside it: a slope is none. A
+    reference is a sum of sharp images, each with its edges: where it has them is left to chance,
+    and the (2, h, w) `halves` of its views tell how much.
     """
     found = 0
     for axis in (0, 1):
-        steps, allowed = (_steps(each, axis) for each in (image, true))
+        steps, allowed, one, other = (_steps(each, axis) for each in (image, true, *halves))
+        chance = maximum_filter1d(np.abs(one - other), 2 * BESIDE_PX + 1, axis=axis)
         for sign in (-1, 1):
-            higher = sign * steps - np.maximum(sign * allowed, 0.0) > STEP
+            higher = sign * steps - np.maximum(sign * allowed, 0.0) - chance > STEP
             along = uniform_filter1d(
                 higher.astype(np.float64), LONG_PX, axis=1 - axis, mode="constant"
             )
@@ -188,13 +200,18 @@ class _Seen(NamedTuple):
     """What an eye sees of a case: its truth, and the errors of images of it."""
 
     found: Case
-    true: Array
+    halves: Array
     sharp: Capture
     depth: EyeDepth
 
     @property
     def exposure(self) -> float:
         return self.found.scene.environment.exposure
+
+    @property
+    def true(self) -> Array:
+        mean: Array = self.halves.mean(axis=0)
+        return mean
 
     def draw(self, method: BlurMethod) -> Array:
         """Return the (h, w, 3) radiance that a method draws of the judged window."""
@@ -214,7 +231,7 @@ def _seen(found: Case, right_m: float, samples: int) -> _Seen:
     fov = sub_frustum(view.fov, found.window, found.whole_px)
     depth = sharp.depth[found.window.within(found.drawn)]
     eye = EyeDepth(view.head, fov, depth, sharp.camera.near_m)
-    return _Seen(there, through_the_lens(there, samples), sharp, eye)
+    return _Seen(there, halves_of_views(there, samples), sharp, eye)
 
 
 def errors(
@@ -230,7 +247,7 @@ def errors(
     edges = regions(pinhole)["near_rims"][judged]
     ppd = pixels_per_degree(found.view.fov, found.whole_px)
 
-    true = _shown(here.true, here.exposure) @ LUMINANCE
+    true, halves = (_shown(each, here.exposure) @ LUMINANCE for each in (here.true, here.halves))
 
     def row(name: str, draw: Callable[[_Seen], Array]) -> dict[str, Any]:
         linear = draw(here)
@@ -243,7 +260,7 @@ def errors(
             "edges": _rms(error[edges]),
             "flip": flip,
             "seams": off_median(_shown(linear, here.exposure), radius[judged]).over_2,
-            "cuts": cuts(_shown(linear, here.exposure) @ LUMINANCE, true),
+            "cuts": cuts(_shown(linear, here.exposure) @ LUMINANCE, true, halves),
         }
         if moved:
             later, right = moved

@@ -42,25 +42,45 @@ def test_two_oracles_agree(tmp_path, seed):
     assert apart.mean() < 0.2 * blurred.mean()
 
 
+def cuts(image, true):
+    """Count cuts beside a reference that has no noise."""
+    return unseen.cuts(image, true, np.stack([true, true]))
+
+
 def test_a_cut_along_a_column_is_found_and_a_slanted_edge_is_not():
     row, column = np.mgrid[:96, :96]
     straight = np.where(column < 40, 0.0, 0.03)
     slanted = np.where(column + row / 6 < 50, 0.0, 0.03)
     slope = np.clip(0.01 * (column - 40), 0, 0.1)
     flat = np.zeros((96, 96))
-    assert unseen.cuts(straight, flat) > 70
-    assert unseen.cuts(straight.T, flat) > 70
-    assert unseen.cuts(slanted, flat) == unseen.cuts(slope, flat) == 0
-    assert unseen.cuts(np.random.default_rng(1).normal(0, 0.02, (96, 96)), flat) < 10
+    assert cuts(straight, flat) > 70
+    assert cuts(straight.T, flat) > 70
+    assert cuts(slanted, flat) == cuts(slope, flat) == 0
+    assert cuts(np.random.default_rng(1).normal(0, 0.02, (96, 96)), flat) < 10
 
 
 def test_a_step_that_the_reference_has_is_no_cut():
     """Also where the image has less of it; a higher one and one the other way are."""
     _, column = np.mgrid[:96, :96]
     straight = np.where(column < 40, 0.0, 0.03)
-    assert unseen.cuts(straight, straight) == unseen.cuts(0 * straight, straight) == 0
-    assert unseen.cuts(2 * straight, straight) > 70
-    assert unseen.cuts(-straight, straight) > 70
+    assert cuts(straight, straight) == cuts(0 * straight, straight) == 0
+    assert cuts(2 * straight, straight) > 70
+    assert cuts(-straight, straight) > 70
+
+
+def test_another_reference_has_no_cut_and_a_cut_beside_its_noise_has():
+    """A blurred line along a column: where the views of a reference have it is left to chance."""
+    views = np.zeros((3, 64, 96, 96))
+    places = 20 + np.random.default_rng(1).integers(0, 25, views.shape[:2])
+    for reference, at in zip(views, places, strict=True):
+        reference[np.arange(64), :, at] = 0.6
+    first, last, other = views[0].mean(axis=0), views[1].mean(axis=0), views[2].mean(axis=0)
+    true, halves = (first + last) / 2, np.stack([first, last])
+    assert unseen.cuts(other, true, np.stack([true, true])) > 70
+    assert unseen.cuts(other, true, halves) == 0
+    column = np.arange(96)
+    assert unseen.cuts(other + 0.012 * (column >= 72), true, halves) > 70
+    assert unseen.cuts(other + 0.2 * (column >= 32), true, halves) > 70
 
 
 def test_a_shutter_that_is_open_for_an_instant_sees_the_sharp_image(tmp_path):
