@@ -40,6 +40,7 @@ const float LEAST_CALM = 1e-6;
 const float LEAST_FAR = 0.25, FAR = 0.75;  // difference of radii, in those of the near thing
 
 vec4 p = texel_of(surfaces[0], ivec2(gl_FragCoord.xy));
+float front_px = max(-p.a, 0.0);
 vec4 seen = LEAST * vec4(p.rgb, 1.0);
 vec4 over = vec4(0.0);
 vec2 free = vec2(0.0);    // of the texel's own disc: where what is behind it is seen, all
@@ -99,17 +100,19 @@ void before(eye_image image, int level, float least_px, float widest_px) {
     gather(image, level, most_px, any ? 1.0 : 0.0, true, IN_FRONT);
 }
 
-// What a near thing hides is what is seen beside it.
+// What a near thing hides is what is seen beside it. On the coarsest level all of the disc counts: a step would be where
+// the only texel that counts gives way to another.
 void beside(eye_image image, int level, bool wanted) {
     vec2 place = gl_FragCoord.xy / float(1 << level) - 0.5;
-    ivec2 middle = ivec2(floor(place + 0.5));
+    float reach = level < LEVELS - 1 ? 1.5 : max(1.0 + max(pixel_aspect, 1.0) * front_px / float(2 << level), 1.5);
+    ivec2 first = ivec2(ceil(place - reach)), end = ivec2(floor(place + reach));
     ivec2 last = size_of(image) - 1;
-    int top = wanted ? 1 : -1000000;
-    for (int y = -1; y <= top; ++y)
-        for (int x = -1; x <= 1; ++x) {
-            vec4 q = texel_of(image, clamp(middle + ivec2(x, y), ivec2(0), last));
-            vec2 near = max(1.5 - abs(vec2(middle + ivec2(x, y)) - place), 0.0);
-            near *= near;
+    int top = wanted ? end.y : -1000000;
+    for (int y = first.y; y <= top; ++y)
+        for (int x = first.x; x <= end.x; ++x) {
+            vec4 q = texel_of(image, clamp(ivec2(x, y), ivec2(0), last));
+            vec2 near = max(reach - abs(vec2(x, y) - place), 0.0);
+            near *= near / (reach * reach * reach);  // as much on each level
             float dark = 1.0 / max(max(q.r, q.g), max(q.b, 1.0));
             float wider = log2(max(2.0 * TEXELS_PER_PX * abs(q.a), 1e-3));
             float calm = clamp(1.0 + float(level) - wider, LEAST_CALM, 1.0);
@@ -120,7 +123,6 @@ void beside(eye_image image, int level, bool wanted) {
 
 void main() {
     float own_px = abs(p.a);
-    float front_px = max(-p.a, 0.0);
     // Slanted surfaces in front of the focus reach a little farther than a texel's own disc.
     bool apart = tile.r > BEYOND_OWN * front_px + 1.0 || tile.r > 0.5 && BEYOND_OWN * tile.b + 1.0 < front_px;
     float beyond_px = apart ? tile.r : 0.0;

@@ -164,6 +164,21 @@ def test_a_thin_near_bar_lets_what_is_beside_it_be_seen(ctx):
     np.testing.assert_allclose(inside[clear], beside[clear], atol=0.06)
 
 
+def test_what_a_wide_near_bar_hides_has_no_step_along_coarse_texels(ctx):
+    """White and black in focus beside a bar of 64 px: between them it passes from one to the other.
+
+    Seen beside it on the coarsest level are texels of 16 px whose middles are 40 px to either side.
+    """
+    _, x = np.mgrid[:160, :160] + 0.5
+    bar = np.abs(x - 80) < 32
+    rgb = np.where(bar, 0.0, np.where(x < 80, 1.0, 0.0))[..., None] * np.ones(3)
+    radii = np.where(bar, -35.0, 0.0)
+    lit = blur(ctx, "vrcomfort", rgb, radii, max_radius_px=35.0, samples=12).rgb[80, :, 0]
+    steps = np.abs(np.diff(lit.astype(float)))[52:108]
+    assert steps.max() < 0.03
+    assert steps.sum() > 0.3
+
+
 def test_a_lamp_s_light_keeps_its_disc_in_texels_that_it_shares(ctx):
     """Behind the focus both are one surface there: its radius is that of most of the light."""
     y, x = np.mgrid[:160, :160] + 0.5
