@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.importing.test_layouts import suggested_import
-from tests.support.layouts import ENGLISH, write
+from tests.support.layouts import ENGLISH, PEOPLE, write
 from tests.support.report import build_report
 from vrcomfort.errors import InputError
 from vrcomfort.importing import import_files, load_mapping, write_study
@@ -744,3 +744,38 @@ def test_means_of_answers_are_not_rounded_and_have_a_scale_of_their_own(tmp_path
     assert own_items(found) == {"arousal": (1, 9), "presence": (1, 5), "sickness": (1, 5)}
     presence = {who: value for (who, *_), value in answers(found, "presence").items()}
     assert presence == pytest.approx({str(row[0]): row[2] for row in rows[1:]}, abs=1e-8)
+
+
+def test_a_lone_number_below_0_is_a_missing_answer_but_not_on_a_scale_around_0(
+    tmp_path: Path,
+) -> None:
+    def answers(high: int) -> set[object]:
+        rows = [[p, -1 if p == "P03" else n % (high + 1)] for n, p in enumerate(PEOPLE)]
+        file = write(tmp_path / f"to_{high}.csv", [["ID", "comfort"], *rows])
+        imported = suggest_mapping([file]).imported
+        assert imported is not None
+        return {r.answers["comfort"] for r in imported.responses.values()}
+
+    assert answers(6) == {*range(7)}
+    assert -1 in answers(2)
+
+
+def test_percentages_and_lists_in_cells_of_python_are_read(tmp_path: Path) -> None:
+    rows = [[p, f"{50 + n}.5 %", {"calm": [n % 5, n % 3]}] for n, p in enumerate(PEOPLE)]
+    file = write(tmp_path / "x.csv", [["ID", "accuracy", "page"], *rows])
+    imported = suggest_mapping([file]).imported
+    assert imported is not None
+    said = {name: v for r in imported.responses.values() for name, v in r.answers.items()}
+    assert said["accuracy"] == 59.5
+    assert len(said) == 3
+
+
+def test_a_sentence_with_a_moment_is_asked_of_that_moment_only_where_another_is_asked_too(
+    tmp_path: Path,
+) -> None:
+    rows = [[p, 1 + n % 7, 1 + n % 5] for n, p in enumerate(PEOPLE)]
+    head = ["ID", "J'avais l'impression d'aller de l'avant", "Je me suis senti présent"]
+    found = suggest_mapping([write(tmp_path / "x.csv", [head, *rows])])
+    assert found.imported is not None
+    assert {who.timepoint for _, who in found.imported.responses} == {"post"}
+    assert any("another moment" in doubt for doubt in found.doubts)

@@ -18,7 +18,7 @@ JOIN = " / "
 """Between the rows of a heading that has several."""
 
 _IMPORT_ID = re.compile(r"\{\s*['\"]ImportId['\"]")
-_NUMBER = re.compile(r"[-+]?\d+([.,]\d+)?")
+_NUMBER = re.compile(r"[-+]?\d+([.,]\d+)?( ?%)?")
 _UNREAD = {
     ".xls": "Excel's former format; save it as .xlsx",
     ".xlsb": "a binary workbook; save it as .xlsx",

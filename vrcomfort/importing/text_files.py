@@ -6,6 +6,7 @@ import ast
 import codecs
 import csv
 import io
+import json
 import re
 from collections import Counter
 from collections.abc import Iterator
@@ -89,10 +90,8 @@ def _object_in(cell: str, file: Path) -> dict[str, Any]:
         found = parse_json(cell, file)
     except InputError:
         try:
-            found = ast.literal_eval(cell)
-        except (ValueError, SyntaxError, MemoryError, RecursionError):
-            return {}
-        if not isinstance(found, dict) or any(isinstance(v, dict | list) for v in found.values()):
+            found = parse_json(json.dumps(ast.literal_eval(cell)), file)
+        except (ValueError, TypeError, SyntaxError, MemoryError, RecursionError, InputError):
             return {}
     return found if isinstance(found, dict) and "ImportId" not in found else {}
 

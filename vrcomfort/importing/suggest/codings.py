@@ -41,12 +41,12 @@ class Coding:
 
     answers: dict[str, int] = field(default_factory=dict)
     coded_from: int | None = None
-    times: int | None = None
+    times: float | None = None
     variant: Instrument | None = None
     missing: list[str] = field(default_factory=list)
     doubts: list[OpenDoubt] = field(default_factory=list)
 
-    def answer_of(self, value: int, instrument: Instrument) -> int:
+    def answer_of(self, value: int, instrument: Instrument) -> float:
         """Return the answer that a number of the file means."""
         if self.coded_from is None:
             return value * (self.times or 1)
@@ -247,7 +247,7 @@ def _are_rare(texts: Mapping[str, int], of: int, instrument: Instrument, found: 
     return True
 
 
-_FEW_ODD, _ODD_OF, _ONE_WORD_OF = 3, 50, 8
+_FEW_ODD, _ODD_OF, _ONE_WORD_OF, _LIKERT = 3, 50, 8, 7
 """Different texts, and answers among which there is at most one such cell; one word is a mark."""
 
 
@@ -369,13 +369,23 @@ _OF_SEVEN = ((1, 1), (2, 3), (4, 4), (6, 5), (7, 7))
 
 
 def missing_codes(values: Iterable[float]) -> list[int]:
-    """Return the numbers that programs write for missing answers, far from all others."""
+    """Return the numbers that programs write for missing answers.
+
+    They are far from all others, or the only one below 0 where the scale is not around 0.
+    """
+    values = [*values]
     found = {int(value) for value in values if value in _CODES and abs(value) > _FAR}
     rest = [value for value in values if value not in found]
-    return sorted(found) if rest and max(map(abs, rest)) <= _FAR + 1 else []
+    if not rest or max(map(abs, rest)) > _FAR + 1:
+        found = set()
+    below = {value for value in values if value < 0} - found
+    if len(below) == 1 and below <= _CODES and max(values) > _AROUND_ZERO * -min(below):
+        found |= {*map(int, below)}
+    return sorted(found)
 
 
-_FAR = 10
+_FAR, _AROUND_ZERO = 10, 3
+"""Above the first, numbers are no usual answers; of scales around 0, ends are at most -3 and 3."""
 
 
 def missing_texts(cells: Iterable[str], vocabulary: LabVocabulary) -> list[str]:
@@ -472,8 +482,11 @@ def _numbers(
         least, most = min([*inside, *fractions]), max([*inside, *fractions])
         found.times = 100 if fractions and most <= 1 else 10 if most <= 10 else 5
         found.coded_from = 1 if most == 21 else None
+        if not fractions and sorted(inside) == [*range(1, _LIKERT + 1)]:
+            found.times, found.coded_from = round((high - low) / (_LIKERT - 1), 6), 1
         question = f"Answers of {instrument.short} are {low} to {high}, these {least:g} to"
-        doubt = OpenDoubt(f"{question} {most:g}: are they marks?", f"times {found.times}", CODING)
+        what = f"times {found.times:g}" + (", counted from 1" if found.coded_from == 1 else "")
+        doubt = OpenDoubt(f"{question} {most:g}: are they marks?", what, CODING)
         found.doubts.append(doubt)
     elif (
         not found.answers

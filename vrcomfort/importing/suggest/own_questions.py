@@ -471,9 +471,9 @@ class OwnQuestions:
         given = words_of(self._table.headings[column])
         words = [word.casefold() for word in given]
         start, end = 0, len(words)
-        while start < end - 1 and self._tells(words, start):
+        while start < end - 1 and self._tells_outside(words, start):
             start += 1
-        while end > start + 1 and self._tells(words, end - 1):
+        while end > start + 1 and self._tells_outside(words, end - 1):
             end -= 1
         inside = [n for n in range(start, end) if len(self._moments[_blank(words, n)]) > 1]
         context = (*words[:start], *(words[n] for n in inside), *words[end:])
@@ -518,6 +518,15 @@ class OwnQuestions:
         before = words[place - 1] if place else ""
         numbered = self._vocabulary.numbered
         return (word in numbered and after.isdecimal()) or (word.isdecimal() and before in numbered)
+
+    def _tells_outside(self, words: Sequence[str], place: int) -> bool:
+        """Return whether a word at the end of a heading is none of its question.
+
+        A moment in a sentence is one if the sentence is asked of another moment, too.
+        """
+        moment = words[place] in self._vocabulary.timepoints and words[place] not in self._apart
+        again = len(self._moments[_blank(words, place)]) > 1
+        return self._tells(words, place) and (again or not moment or len(words) <= _SENTENCE)
 
     def _crossed(self, questions: list[OwnQuestion]) -> list[OwnQuestion]:
         """Take words for conditions out of questions, unless a column says the condition."""

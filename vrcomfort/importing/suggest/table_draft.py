@@ -260,13 +260,15 @@ class TableDraft(SaidByHeadings):
     def _compare_moments(self) -> None:
         """Ask where headings of answers say another moment than the draft."""
         usual = "post" if self.draft.values.get("timepoint") == {"constant": "post"} else None
-        for found, own in zip(self._answers[BLOCKS], self._facts_of(BLOCKS), strict=True):
-            names = [self.table.headings[column] for column in found.columns]
-            said = {self._vocabulary.timepoint(name) for name in names}
-            when = own.get("timepoint", usual)
-            if len(said) == 1 and {when, *said} == {"baseline", "post"}:
-                question = f"{names[0]!r} seems to say another moment than {when}: is it?"
-                self.doubts.append(OpenDoubt(question, f"it is {when}", TIMEPOINTS))
+        for layout in (BLOCKS, OWN):
+            for found, own in zip(self._answers[layout], self._facts_of(layout), strict=True):
+                names = [self.table.headings[column] for column in found.columns]
+                said = [self._vocabulary.timepoint(name) for name in names]
+                when = own.get("timepoint", usual)
+                other = [n for n, at in zip(names, said, strict=True) if at and at != when]
+                if when and other and (layout is OWN or len({*said}) == 1):
+                    question = f"{other[0]!r} seems to say another moment than {when}: is it?"
+                    self.doubts.append(OpenDoubt(question, f"it is {when}", TIMEPOINTS))
 
     def _in_short(self, drafts: list[TomlDraft]) -> list[TomlDraft]:
         """Merge questionnaires with headings of one template and the same coding."""
