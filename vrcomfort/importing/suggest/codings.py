@@ -39,7 +39,7 @@ class Coding:
         The instrument that has these answers, where the one that was looked for has not.
     """
 
-    answers: dict[str, int] = field(default_factory=dict)
+    answers: dict[str, float] = field(default_factory=dict)
     coded_from: int | None = None
     times: float | None = None
     variant: Instrument | None = None
@@ -64,7 +64,7 @@ def coding_of(
     return coding_of_texts(cells, instrument, table.decimal, vocabulary, legend)
 
 
-def _variant(instrument: Instrument, values: Iterable[int]) -> Instrument | None:
+def _variant(instrument: Instrument, values: Iterable[float]) -> Instrument | None:
     """Return the shipped variant of an instrument that asks the same, and has these answers."""
     asked = {item.name for item in instrument.asked}
     return next(
@@ -302,7 +302,7 @@ def _in_order(
         places = [*range(len(ranked))]
     else:
         return False
-    answers = {text: low + place for place, text in zip(places, ranked, strict=True)}
+    answers: dict[str, float] = {t: low + n for n, t in zip(places, ranked, strict=True)}
     if len({*places}) < len(places) or (not unknown and answers == found.answers):
         return False
     variant = _variant(instrument, answers.values()) if places[-1] > steps else None
@@ -404,7 +404,7 @@ def _in_two_languages(text: str, said: dict[str, int]) -> int | None:
 
 def _doubled(found: Coding, instrument: Instrument) -> None:
     """Ask where two words mean one answer, or more words were met than there are answers."""
-    by_value: dict[int, set[str]] = {}
+    by_value: dict[float, set[str]] = {}
     for text, value in found.answers.items():
         by_value.setdefault(value, set()).add(plain(text))
     doubled = [sorted(words) for words in by_value.values() if len(words) > 1]
