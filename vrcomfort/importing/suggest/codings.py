@@ -448,29 +448,21 @@ def _numbers(
     around_zero = bool(values) and min(values) < 0 and _around_zero(values, instrument)
     rest = outside if around_zero else _without_codes(outside, instrument, found)
     variant = _variant(instrument, values)
+    first: int | None = None
     if rest and low in values and variant is not None:
         found.variant = variant
         question = f"Answers go from {low} to {max(rest)}: is this the {variant.short}?"
         assumed = f"it is, and not comparable with {instrument.short}"
         found.doubts.append(OpenDoubt(question, assumed, INSTRUMENT))
-    elif len(shifts) == 1 and (shift := min(shifts)) != 0:
-        found.coded_from = low + shift
-        question = f"Are answers counted from {low + shift}, as the words beside some of them say?"
-        assumed = f"they are: {low + shift} stands for {low}"
-        found.doubts.append(OpenDoubt(question, assumed, CODING))
+    elif len(shifts) == 1 and min(shifts) != 0:
+        first = low + min(shifts)
+        question = f"Are answers counted from {first}, as the words beside some of them say?"
     elif around_zero:
-        found.coded_from = -(high - low) // 2
-        question = f"Are the answers {found.coded_from} to {-found.coded_from}, around 0?"
-        assumed = f"they are: {found.coded_from} stands for {low}"
-        found.doubts.append(OpenDoubt(question, assumed, CODING))
-    elif rest == [low - 1] and high not in values:
-        found.coded_from = low - 1
-        question = f"Are the answers {low - 1} to {high - 1} in place of {low} to {high}?"
-        found.doubts.append(OpenDoubt(question, f"they are: {low - 1} stands for {low}", CODING))
-    elif rest == [high + 1] and low not in values:
-        found.coded_from = low + 1
-        question = f"Are the answers {low + 1} to {high + 1} in place of {low} to {high}?"
-        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}", CODING))
+        first = -(high - low) // 2
+        question = f"Are the answers {first} to {-first}, around 0?"
+    elif rest in ([low - 1], [high + 1]) and (high if rest[0] < low else low) not in values:
+        first = low - 1 if rest[0] < low else low + 1
+        question = f"Are the answers {first} to {first + high - low} in place of {low} to {high}?"
     elif rest and not _are_rare(
         {str(value): values[value] for value in rest}, sum(values.values()), instrument, found
     ):
@@ -494,9 +486,9 @@ def _numbers(
         and not fractions
         and (count := never_zero(instrument, {value: values[value] for value in inside}))
     ):
-        found.coded_from = low + 1
-        question = (
-            f"None of {count} answers is {low}: are they counted from {low + 1} (with no "
-            f"{high + 1} among them), or was {low} never answered?"
-        )
-        found.doubts.append(OpenDoubt(question, f"they are: {low + 1} stands for {low}", CODING))
+        first = low + 1
+        question = f"None of {count} answers is {low}: are they counted from {first} (with no"
+        question = f"{question} {high + 1} among them), or was {low} never answered?"
+    if first is not None:
+        found.coded_from = first
+        found.doubts.append(OpenDoubt(question, f"they are: {first} stands for {low}", CODING))

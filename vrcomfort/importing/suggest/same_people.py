@@ -16,6 +16,7 @@ from vrcomfort.importing.suggest.draft import (
     PEOPLE,
     SAME_PERSON,
     OpenDoubt,
+    Stake,
     listed,
 )
 from vrcomfort.importing.suggest.shared_codes import OF_EXPOSURES
@@ -68,26 +69,28 @@ def say_others(drafts: Sequence[TableDraft]) -> None:
         torn = [w for w in shared if any(a[w][n] != b[w][n] for n in a[w].keys() & b[w].keys())]
         if shared and len(torn) * 2 > len(shared):
             others |= {id(one): one, id(two): two}
-    for draft in others.values():
-        said = draft.draft.values["participant"]
-        draft.draft.put("participant", {**(said if isinstance(said, dict) else {}), "apart": True})
-    if others:
-        files = ", ".join(name for draft in others.values() for name in draft.files)
-        question = f"People have the same codes in {files}: are they the same people?"
-        assumed = "they are not, as age or the like differs"
-        next(iter(others.values())).doubts.append(OpenDoubt(question, assumed, PEOPLE))
+    question = "People have the same codes in {}: are they the same people?"
+    _tell_apart([*others.values()], question, "they are not, as age or the like differs")
 
 
 def _count_apart(drafts: Sequence[TableDraft]) -> None:
     """Tell people of several tables apart who are counted row by row, unless they are as many."""
     counted = [draft for draft in drafts if draft.draft.values.get("participant") == COUNTED]
     if len({len(table.rows) for draft in counted for table in draft.tables}) > 1:
-        for draft in counted:
-            draft.draft.put("participant", {**COUNTED, "apart": True})
-        files = ", ".join(name for draft in counted for name in draft.files)
-        question = f"Are rows of {files} of other people each, as their numbers differ?"
+        question = "Are rows of {} of other people each, as their numbers differ?"
         stake = PEOPLE._replace(instead="in each table: participant = { count = true }")
-        counted[0].doubts.append(OpenDoubt(question, "they are", stake))
+        _tell_apart(counted, question, "they are", stake)
+
+
+def _tell_apart(
+    drafts: Sequence[TableDraft], question: str, assumed: str, stake: Stake = PEOPLE
+) -> None:
+    files = ", ".join(name for draft in drafts for name in draft.files)
+    for draft in drafts:
+        said = draft.draft.values["participant"]
+        draft.draft.put("participant", {**(said if isinstance(said, dict) else {}), "apart": True})
+    for draft in drafts[:1]:
+        draft.doubts.append(OpenDoubt(question.format(files), assumed, stake))
 
 
 COUNTED = {"count": True}
