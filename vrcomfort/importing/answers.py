@@ -15,11 +15,7 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?")
 
 
 def number(text: str, decimal: str) -> float | None:
-    """Return the number that a text is, written with this decimal sign; None where it is none.
-
-    >>> number("80,4 %", ","), number("some", ".")
-    (80.4, None)
-    """
+    """Return the number, or percentage, that a text is with this decimal sign; None for others."""
     text = text.removesuffix("%").rstrip() if text.endswith("%") else text
     if decimal == ",":
         if "." in text:

@@ -26,7 +26,6 @@ from vrcomfort.importing.suggest.draft import (
     pattern_of,
     write_doubts,
 )
-from vrcomfort.importing.suggest.excluded_files import excluded_files
 from vrcomfort.importing.suggest.groups_of_files import (
     say_baselines,
     say_groups,
@@ -39,6 +38,7 @@ from vrcomfort.importing.suggest.joined_tables import joined
 from vrcomfort.importing.suggest.left_over import ask_to_leave_out
 from vrcomfort.importing.suggest.left_over_drafts import with_left_over
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
+from vrcomfort.importing.suggest.names_of_files import excluded_files
 from vrcomfort.importing.suggest.own_instruments import AnswerRange, declaration, questions_of
 from vrcomfort.importing.suggest.same_people import (
     count_exposures,

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain, combinations
 
-from vrcomfort.importing.suggest.codes import codes_in
 from vrcomfort.importing.suggest.conditions import Conditions
 from vrcomfort.importing.suggest.draft import (
     CONDITIONS,
@@ -36,7 +35,7 @@ from vrcomfort.importing.suggest.evidence import (
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.names_of_files import names_with_folders, parts_of_names
 from vrcomfort.importing.suggest.people import People
-from vrcomfort.importing.suggest.shared_codes import is_shown_in_turn
+from vrcomfort.importing.suggest.shared_codes import codes_in, is_shown_in_turn
 from vrcomfort.importing.suggest.vocabulary import covariate_name, free_name, tokens
 
 _GUESSED_TIMEPOINTS = (BASELINE_AMONG_CONDITIONS, OTHER_TIMEPOINTS)

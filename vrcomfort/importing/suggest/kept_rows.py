@@ -18,10 +18,10 @@ from vrcomfort.importing.suggest.read_tables import draft_reading
 from vrcomfort.importing.suggest.summary_rows import (
     notes_below,
     repeated_headings,
+    rows_of_trial_runs,
     scores_of_others,
     total_rows,
 )
-from vrcomfort.importing.suggest.trial_runs import rows_of_trial_runs
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 
 
