@@ -11,7 +11,7 @@ import pytest
 import vrcomfort.report.analyses
 from tests.support import designs
 from tests.support.places import ROOT
-from tests.support.report import build_report
+from tests.support.report import HEAD, ONE_SCORE, build_report
 from vrcomfort.report.analyses import ANALYSES, ReportContext
 from vrcomfort.report.analyses.contract import (
     AnalysisTable,
@@ -102,11 +102,8 @@ def test_a_group_has_one_title_and_a_table_without_lines_is_left_away(
 
 def test_comparisons_have_a_figure_each_where_the_plan_wants_pairs(tmp_path: Path) -> None:
     study = designs.between_groups(tmp_path / "study")
-    text = (
-        'name = "p"\ntitle = "P"\noutcomes = ["T", "N"]\n{}[[contrasts]]\na = "vignette"\n'
-        'b = "none"\nbetween = "group"\n'
-    )
-    for kinds, expected in (("", 2), ('figures = ["paired"]\n', 2), ('figures = ["flow"]\n', 0)):
+    text = HEAD + ONE_SCORE + '{}[[contrasts]]\na = "vignette"\nb = "none"\nbetween = "group"\n'
+    for kinds, expected in (("", 1), ('figures = ["paired"]\n', 1), ('figures = ["flow"]\n', 0)):
         plan = tmp_path / "plan.toml"
         plan.write_text(text.format(kinds))
         found = build_report(study, plan=plan, out=tmp_path / "o", forms=("svg",))

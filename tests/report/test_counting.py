@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from tests.report.test_page import rows_of
-from tests.report.test_study import report
-from tests.support.report import Study, build_report, write_csv
+from tests.support.report import Study, analysed, planned_report, results_of, write_csv
 
 ONE_FACTOR = (
     'mixed_model = ["condition"]\n[[anova]]\nname = "condition"\ncolumn = "condition"\n'
@@ -45,16 +44,14 @@ def shooting(
     return folder
 
 
-def plan(tmp_path: Path, text: str = ONE_FACTOR, outcomes: str = '"tasks.hits"') -> Path:
-    file = tmp_path / "plan.toml"
-    file.write_text(f'name = "p"\ntitle = "P"\noutcomes = [{outcomes}]\n{text}', "utf-8")
-    return file
+def lines_of(text: str = ONE_FACTOR, outcomes: str = '"tasks.hits"') -> str:
+    return f"outcomes = [{outcomes}]\n{text}"
 
 
 @pytest.mark.parametrize("status", ["withdrawn", "stopped"])
 def test_an_exposure_that_was_cut_short_has_no_count_of_hits(tmp_path, status):
     left = {0: (4, status), 3: (3, status), 6: (2, status)}
-    results = report(shooting(tmp_path / "s", 12, left), tmp_path / "o", plan(tmp_path))
+    results = analysed(shooting(tmp_path / "s", 12, left), lines_of())
     (test,), (anova,), (crossover,) = results["tests"], results["anova"], results["crossover"]
     stayed = [f"P{i:02d}" for i in range(12) if i not in left]
     assert test["participants"] == anova["participants"] == stayed
@@ -70,36 +67,26 @@ def test_an_exposure_that_was_cut_short_has_no_count_of_hits(tmp_path, status):
 
 def test_times_of_an_exposure_that_was_cut_short_are_what_they_are(tmp_path):
     study = shooting(tmp_path / "s", 6, {0: (4, "withdrawn")})
-    results = report(study, tmp_path / "o", plan(tmp_path, "", '"trials.length_s"'))
-    assert results["tests"][0]["n"] == 6
-
-
-def test_who_lacks_an_exposure_is_in_no_analysis_that_needs_all(tmp_path):
-    """A questionnaire that was not answered takes the same people out of every test."""
-    study = shooting(tmp_path / "s", 10, {2: (4, "withdrawn"), 5: (3, "withdrawn")})
-    file = plan(tmp_path, ONE_FACTOR.partition("[[equi")[0], '"T", "N"')
-    results = report(study, tmp_path / "o", file)
-    assert {test["n"] for test in results["tests"]} == {8}
-    assert {found["n"] for found in results["anova"]} == {8}
-    assert {tuple(found["excluded"]) for found in results["anova"]} == {("P02", "P05")}
+    assert analysed(study, lines_of("", '"trials.length_s"'))["tests"][0]["n"] == 6
 
 
 def test_of_a_plan_with_available_pairs_every_analysis_takes_any_number(tmp_path):
     study = shooting(tmp_path / "s", 10, {2: (4, "withdrawn"), 5: (3, "withdrawn")})
-    file = plan(tmp_path, f'withdrawals = "available_pairs"\n{ONE_FACTOR}')
-    results = report(study, tmp_path / "o", file)
+    results = analysed(study, lines_of(f'withdrawals = "available_pairs"\n{ONE_FACTOR}'))
     assert results["tests"][0]["n"] == results["anova"][0]["n"] == 10
     assert [row["n"] for row in results["equivalence"]] == [10]
 
 
 def test_every_analysis_on_the_page_says_its_own_n(tmp_path):
-    """The first outcome has everybody; of the second some people lack an answer."""
+    """The first outcome lacks those who left; of the second some people lack an answer, too."""
     study = shooting(tmp_path / "s", 10, {2: (4, "withdrawn"), 5: (3, "withdrawn")})
     hits = (study / "tasks.csv").read_text("utf-8").splitlines()
     kept = [line for line in hits if not line.startswith(("P07,1,1,", "P08,1,2,"))]
     (study / "tasks.csv").write_text("\n".join([*kept, ""]), "utf-8")
-    file = plan(tmp_path, ONE_FACTOR, '"T", "tasks.hits"')
-    page = build_report(study, plan=file, out=tmp_path / "o").index.read_text("utf-8")
+    lines = lines_of(ONE_FACTOR, '"T", "tasks.hits"')
+    summary = planned_report(study, out=tmp_path / "o", lines=lines)
+    page = summary.index.read_text("utf-8")
+    assert [test["n"] for test in results_of(summary)["tests"]] == [8, 6]
     groups = [row[0] for row in rows_of(page, "Repeated-measures ANOVA") if len(row) == 1]
     assert groups == [
         "Total severity, n = 8; excluded for missing scores: P02, P05",
@@ -111,8 +98,10 @@ def test_every_analysis_on_the_page_says_its_own_n(tmp_path):
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_n_is_that_of_the_test_or_the_row_names_who_is_missing(tmp_path, seed):
+@pytest.mark.parametrize(
+    ("seed", "rule"), [(0, "complete_pairs"), (1, "available_pairs"), (2, "worst_rank")]
+)
+def test_n_is_that_of_the_test_or_the_row_names_who_is_missing(tmp_path, seed, rule):
     """Random studies in which people leave, and answers and tables have holes."""
     chance = random.Random(seed)  # noqa: S311 - no secret
     left = {
@@ -123,9 +112,8 @@ def test_n_is_that_of_the_test_or_the_row_names_who_is_missing(tmp_path, seed):
     lines = (study / "tasks.csv").read_text("utf-8").splitlines()
     kept = [line for line in lines if line.startswith("participant") or chance.random() > 0.03]
     (study / "tasks.csv").write_text("\n".join([*kept, ""]), "utf-8")
-    rule = chance.choice(["complete_pairs", "available_pairs", "worst_rank"])
-    file = plan(tmp_path, f'withdrawals = "{rule}"\n{ONE_FACTOR}', '"tasks.hits", "T"')
-    results = report(study, tmp_path / "o", file)
+    lines = lines_of(f'withdrawals = "{rule}"\n{ONE_FACTOR}', '"tasks.hits", "T"')
+    results = analysed(study, lines)
     for test, anova, row in zip(
         results["tests"], results["anova"], results["comparisons"], strict=True
     ):

@@ -55,7 +55,7 @@ def test_the_command_writes_the_forms_that_are_asked_for(run, tmp_path, source):
     assert "<figure" not in (tmp_path / "o" / "index.html").read_text("utf-8")
 
 
-@pytest.mark.parametrize("wrong", ["gif", "", "svg,none", "svg;png"])
+@pytest.mark.parametrize("wrong", ["gif", "", "svg,none"])
 def test_a_form_that_is_none_is_told_with_those_that_are(run, tmp_path, source, wrong):
     code, _, err = run("report", source, "--out", tmp_path / "o", "--figures", wrong)
     assert code == 2
@@ -63,7 +63,7 @@ def test_a_form_that_is_none_is_told_with_those_that_are(run, tmp_path, source, 
     assert not (tmp_path / "o").exists()
 
 
-@pytest.mark.parametrize("people", [1, 8, 200, 2000])
+@pytest.mark.parametrize("people", [1, 2000])
 def test_dots_are_seen_in_pixels(people):
     def red(values):
         with canvas("dots", 3, 2) as (figure, drawing):

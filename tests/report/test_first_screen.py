@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from tests.support.made_studies import MADE, totals
-from tests.support.report import build_report, foreign
+from tests.support.made_studies import LINES, MADE, totals
+from tests.support.report import ONE_SCORE, build_report, foreign, planned_report
 
 
 def first_screen(page: str) -> str:
@@ -17,8 +17,8 @@ def first_screen(page: str) -> str:
 @pytest.mark.parametrize("name", MADE)
 def test_what_changes_the_answer_stands_first(tmp_path, name):
     made, flag = MADE[name]
-    source, plan = made(tmp_path / "s")
-    summary = build_report(source, plan=plan, out=tmp_path / "o")
+    lines = LINES.get(name, ONE_SCORE)
+    summary = planned_report(made(tmp_path / "s"), out=tmp_path / "o", lines=lines)
     assert re.search(flag, first_screen(summary.index.read_text("utf-8")), re.I), name
     assert "?." not in first_screen(summary.index.read_text("utf-8"))
     said = " ".join([summary.without_primary, *summary.warnings])

@@ -31,14 +31,14 @@ during_s = 2.0
 spectrum_window_s = 2.0
 """
 DOCUMENTED = ROOT / "docs" / "plans" / "gaze_and_head.toml"
-SECONDS, AHEAD_DEG, AWAY_DEG = 8.0, 2.0, 20.0
+SECONDS, AHEAD_DEG, AWAY_DEG = 5.0, 2.0, 20.0
 HALF = 0.7
 """Half angles of the images, in radians."""
 N = round(SECONDS * 1e9 / PERIOD_NS)
 
 
 def recorded(folder, *, avatar_deg=0.0, ahead_share=0.5, trial=1):
-    """Write 8 s in which the head sways by 5° at 1 Hz, and the eyes look ahead, then away."""
+    """Write 5 s in which the head sways by 5° at 1 Hz, and the eyes look ahead, then away."""
     at_s = np.arange(N) * PERIOD_NS / 1e9
     yaw = np.radians(5 * np.sin(2 * np.pi * at_s))  # to the left, about +Y
     turn = np.radians(avatar_deg) / 2
@@ -65,7 +65,7 @@ def recorded(folder, *, avatar_deg=0.0, ahead_share=0.5, trial=1):
     })  # fmt: skip
     gaze.loc[valid == 0, "direction_x"] = np.nan
     gaze.to_csv(folder / "gaze.csv", index=False)
-    event = f"onset_s,duration_s,name\n{100 * trial + 4.5},,shot\n"
+    event = f"onset_s,duration_s,name\n{100 * trial + 2.75},,shot\n"
     (folder / "events.csv").write_text(event)
 
 
@@ -76,10 +76,9 @@ def study(tmp_path):
     return folder
 
 
-def found_in(study, text=PLAN):
-    return analyse_gaze_and_head(
-        read_study(study), read_plan(text, None).gaze_and_head, ["dof_off", "dof_on"]
-    )
+def found_in(study, text=PLAN, *, read=read_study):
+    plan = read_plan(text, None)
+    return analyse_gaze_and_head(read(study), plan.gaze_and_head, ["dof_off", "dof_on"])
 
 
 def shares_of(found):
@@ -118,7 +117,7 @@ def test_frames_without_a_known_head_are_left_out_and_cuts_before_them_stay(tmp_
 
 
 def test_shares_fixations_and_spectra_are_those_recorded(study):
-    found = found_in(study)
+    found = found_in(study, read=lambda folder: with_frames(read_study(folder)))
     (row,) = found.exposures
     assert (row.keys.participant, row.keys.condition, row.keys.scene) == (
         "P01",
@@ -132,40 +131,33 @@ def test_shares_fixations_and_spectra_are_those_recorded(study):
     shares = shares_of(found)
     assert shares["dof_off", "", 0.3] == pytest.approx(ahead, abs=0.003)
     assert shares["dof_off", "", 0.6] == 1
-    assert shares["dof_off", "shot", 0.3] == 0  # from 4.5 s to 6.5 s they look away
+    assert shares["dof_off", "shot", 0.3] == 0  # from 2.75 s to 4.75 s they look away
     assert row.zones.zone_of_75_percent == pytest.approx(half[1])
     # A sine of amplitude 5 has a root mean square of 5/√2; the bins at the edges count half.
     assert row.bands.rms["yaw_deg_rms_0.5_2_hz"] == pytest.approx(5 / np.sqrt(2), rel=0.05)
     assert row.bands.rms["head_z_m_rms_0.5_2_hz"] == pytest.approx(0.01 / np.sqrt(2), rel=0.05)
     # The head's turning moves the gaze by at most 5° × 2π a second: below 32°/s, not below 30.
     slow = found_in(study, PLAN + "velocity_deg_s = 32.0\n")
-    # A blink between 10 and 20 frames, and one saccade of 18° at 4 s.
+    # A blink between 10 and 20 frames, and one saccade of 18° at 2.5 s.
     assert slow.exposures[0].fixations.fixations == len(slow.fixations) == 3
     assert row.fixations.fixations > 3
     peak = max((r for r in found.spectra if r.signal == "yaw_deg"), key=lambda r: r.density)
     assert peak.frequency_hz == pytest.approx(1.0)
     assert found.maps["dof_off"].share.sum() == pytest.approx(1)
+    # 5° and 1 cm there and back: four amplitudes a second.
+    assert row.head_turning_deg_per_min == pytest.approx(60 * 20, rel=0.01)
+    assert row.head_path_m_per_min == pytest.approx(60 * 0.04, rel=0.01)
 
 
 def test_shots_of_a_task_are_events(study):
     session = study / "sub-P01" / "ses-1"
     (session / "events.csv").unlink()
     rows = ["participant,trial,condition,kind,onset_s", "P01,1,dof_off,target,100.1"]
-    rows += ["P01,1,dof_off,shot,100.5", "P01,1,dof_off,shot,105"]
+    rows += ["P01,1,dof_off,shot,100.5", "P01,1,dof_off,shot,102.75"]
     (session / "tasks.csv").write_text("\n".join(rows) + "\n")
     shares = shares_of(found_in(study))
     # Two seconds of looking ahead (the blink is before), two of looking away.
     assert shares["dof_off", "shot", 0.3] == pytest.approx(0.5, abs=0.01)
-
-
-def test_path_and_turning_are_those_of_the_frames_per_minute(study):
-    data = with_frames(read_study(study))
-    (row,) = analyse_gaze_and_head(
-        data, read_plan(PLAN, None).gaze_and_head, ["dof_off", "dof_on"]
-    ).exposures
-    # 5° and 1 cm there and back: four amplitudes a second.
-    assert row.head_turning_deg_per_min == pytest.approx(60 * 20, rel=0.01)
-    assert row.head_path_m_per_min == pytest.approx(60 * 0.04, rel=0.01)
 
 
 def test_every_person_counts_alike(study):

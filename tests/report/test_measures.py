@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.report import Study, build_report, write_csv
+from tests.support.report import HEAD, WITHOUT_MODELS, Study, planned_report, write_csv
 from vrcomfort.errors import InputError
 from vrcomfort.records import RatingRow
 from vrcomfort.report.exposures import Exposures
@@ -21,7 +21,7 @@ from vrcomfort.report.measures import (
     values_of,
 )
 from vrcomfort.report.measures.model import in_steps
-from vrcomfort.report.plan_files import load_plan
+from vrcomfort.report.plan_files import read_plan
 from vrcomfort.report.rated_exposures import rated_exposures
 from vrcomfort.report.results import analyse
 from vrcomfort.report.rows import as_json
@@ -56,6 +56,18 @@ def rated(folder: Path, *, left_early: str = "") -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The study of `rated`, which no test changes."""
+    return rated(tmp_path_factory.mktemp("rated") / "study")
+
+
+@pytest.fixture(scope="module")
+def left_early(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same, in which P04 leaves the second exposure, on, after 40 s."""
+    return rated(tmp_path_factory.mktemp("left") / "study", left_early="P04")
+
+
 def course_of(study: Path, who: str) -> RatingCourse:
     """Return the ratings of somebody's second exposure."""
     exposures = rated_exposures(read_study(study), "fms")
@@ -70,24 +82,14 @@ def of(study: Path, name: str, **said: object) -> dict[tuple[str, str], Fraction
     return {(value.participant, value.condition): value.number for value in found}
 
 
-def plan_of(tmp_path: Path, *lines: str) -> Path:
-    plan = tmp_path / "plan.toml"
-    plan.write_text('name = "p"\ntitle = "Plan"\n' + "\n".join(lines) + "\n")
-    return plan
-
-
-def report(tmp_path: Path, study: Path, *lines: str) -> dict:
-    """Return the results, without a page."""
-    return analysed(tmp_path, study, *lines)[0]
-
-
-def analysed(tmp_path: Path, study: Path, *lines: str) -> tuple[dict, Exposures]:
-    results, scored = analyse(read_study(study), load_plan(plan_of(tmp_path, *lines)))
+def scored_by(study: Path, *lines: str) -> tuple[dict, Exposures]:
+    """Return the results, without a page, and the scores."""
+    plan = read_plan(HEAD + WITHOUT_MODELS + "\n".join(lines) + "\n", None)
+    results, scored = analyse(read_study(study), plan)
     return as_json(results), scored
 
 
-def test_ratings_are_summed_up_over_those_that_were_answered(tmp_path: Path) -> None:
-    study = rated(tmp_path / "study")
+def test_ratings_are_summed_up_over_those_that_were_answered(study: Path) -> None:
     assert of(study, "ratings.peak")["P01", "off"] == 8
     assert of(study, "ratings.mean")["P01", "off"] == 4
     assert of(study, "ratings.last")["P01", "on"] == 2
@@ -96,31 +98,26 @@ def test_ratings_are_summed_up_over_those_that_were_answered(tmp_path: Path) -> 
     assert of(study, "ratings.time_to", threshold=3)["P01", "off"] == 20
 
 
-def test_slope_is_that_of_least_squares_per_minute(tmp_path: Path) -> None:
-    course = course_of(rated(tmp_path / "study"), "P01").answered
+def test_slope_is_that_of_least_squares_per_minute(study: Path) -> None:
+    course = course_of(study, "P01").answered
     assert course.times_s.tolist() == [0, 20, 60]
     at, ratings = course.times_s / 60, course.ratings
     expected = ((at - at.mean()) * (ratings - ratings.mean())).sum() / ((at - at.mean()) ** 2).sum()
-    slope = of(tmp_path / "study", "ratings.slope")["P01", "off"]
+    slope = of(study, "ratings.slope")["P01", "off"]
     assert float(slope) == pytest.approx(expected, rel=1e-8)
 
 
 def test_who_finished_below_a_threshold_ties_at_the_longest_and_who_left_has_none(
-    tmp_path: Path,
+    left_early: Path,
 ) -> None:
-    study = rated(tmp_path / "study", left_early="P04")  # leaves the second exposure after 40 s: on
-    reached = of(study, "ratings.time_to", threshold=6)
+    reached = of(left_early, "ratings.time_to", threshold=6)
     assert reached["P01", "on"] == 90
     assert reached["P04", "on"] is None
     assert reached["P04", "off"] == 60
 
 
-def test_ratings_after_the_end_of_the_last_attempt_do_not_count(tmp_path: Path) -> None:
-    study = rated(tmp_path / "study", left_early="P04")
-    assert course_of(study, "P04").answered.times_s.tolist() == [
-        0,
-        20,
-    ]
+def test_ratings_after_the_end_of_the_last_attempt_do_not_count(left_early: Path) -> None:
+    assert course_of(left_early, "P04").answered.times_s.tolist() == [0, 20]
 
 
 def test_ratings_without_numbers_of_exposures_are_told_apart_by_condition(tmp_path: Path) -> None:
@@ -143,22 +140,21 @@ def test_an_exposure_with_no_answered_rating_is_left_out_with_its_reason(tmp_pat
     file = study / "sub-P01" / "ses-1" / "ratings.csv"
     rows = [line for line in file.read_text().splitlines() if ",on," not in line]
     file.write_text("\n".join(rows) + "\n")
-    results = report(tmp_path, study, 'outcomes = ["ratings.peak"]')
+    results, _ = scored_by(study, 'outcomes = ["ratings.peak"]')
     assert results["tests"][0]["n"] == 7
     (row,) = results["quality"]["excluded_questionnaires"]
     assert (row["participant"], row["reason"]) == ("P01", "nothing was rated")
 
 
 def test_a_plan_compares_conditions_on_ratings_and_trials_without_any_questionnaire(
-    tmp_path: Path,
+    tmp_path: Path, study: Path
 ) -> None:
-    study = rated(tmp_path / "study")
-    plan = plan_of(
-        tmp_path, 'outcomes = ["fast", "trials.length_s", "trials.dropped_percent"]',
-        '[[measures]]\nname = "fast"\nmeasure = "ratings.peak"\nlabel = "Worst sickness"',
-        'unit = "FMS"\nbetter = "lower"', '[[contrasts]]\na = "off"\nb = "on"',
-    )  # fmt: skip
-    built = build_report(study, plan=plan, out=tmp_path / "out")
+    lines = (
+        'outcomes = ["fast", "trials.length_s", "trials.dropped_percent"]\n'
+        '[[measures]]\nname = "fast"\nmeasure = "ratings.peak"\nlabel = "Worst sickness"\n'
+        'unit = "FMS"\nbetter = "lower"\n[[contrasts]]\na = "off"\nb = "on"\n'
+    )
+    built = planned_report(study, out=tmp_path / "out", lines=WITHOUT_MODELS + lines)
     first, second, third = json.loads(built.results.read_text())["tests"]
     assert (first["n"], first["shift"]["estimate"], first["p"]) == (8, 6.0, 0.0078125)
     assert (second["shift"]["estimate"], third["p"]) == (0, 1)
@@ -177,7 +173,7 @@ def test_tasks_are_averaged_over_the_rows_of_an_exposure_and_compared(tmp_path: 
     ]
     write_csv(tmp_path / "study" / "tasks.csv", ("participant", "condition", "time_s"), rows)
     assert of(tmp_path / "study", "tasks.time_s")["P02", "on"] == Fraction("2.1")
-    results = report(tmp_path, tmp_path / "study", 'outcomes = ["tasks.time_s"]')
+    results, _ = scored_by(tmp_path / "study", 'outcomes = ["tasks.time_s"]')
     (test,) = results["tests"]
     assert test["n"] == 8
     assert test["shift"]["estimate"] == pytest.approx(0.5)
@@ -191,7 +187,7 @@ def test_a_task_measure_stands_in_the_row_of_its_exposures_questionnaire(tmp_pat
         study.person(name, "a")
     rows = [{"participant": n, "session": 1, "trial": t, "hits": t} for n in PEOPLE for t in (1, 2)]
     write_csv(study.folder / "tasks.csv", ("participant", "session", "trial", "hits"), rows)
-    _, scored = analysed(tmp_path, study.folder, 'outcomes = ["T", "tasks.hits"]')
+    _, scored = scored_by(study.folder, 'outcomes = ["T", "tasks.hits"]')
     assert scored.table[["T", "tasks.hits"]].notna().to_numpy().all()
     assert len(scored.table) == 2 * len(PEOPLE)
 
@@ -260,11 +256,10 @@ def test_a_name_that_is_no_measure_is_told_with_the_nearest(name: str, said: str
     ],
 )
 def test_what_cannot_be_measured_is_one_sentence_with_its_place(
-    tmp_path: Path, lines: str, said: str
+    study: Path, lines: str, said: str
 ) -> None:
-    study = rated(tmp_path / "study")
     with pytest.raises(InputError, match=said) as error:
-        report(tmp_path, study, lines)
+        scored_by(study, lines)
     assert error.value.line is not None
 
 

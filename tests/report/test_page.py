@@ -1,14 +1,22 @@
 """What the page of a report says, and that it is what its captions and the tables say."""
 
 import csv
-import json
 import re
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
-from tests.support.report import Study, build_report, carnegie_like, foreign
+from tests.support.report import (
+    ONE_SCORE,
+    WITHOUT_MODELS,
+    Study,
+    build_report,
+    carnegie_like,
+    foreign,
+    planned_report,
+    results_of,
+)
 from vrcomfort.report.descriptives import DescriptionWithInterval
 from vrcomfort.report.words import interval
 
@@ -37,12 +45,13 @@ def described(folder: Path, **chosen: str) -> list[dict[str, str]]:
     return [row for row in rows if all(row[key] == value for key, value in chosen.items())]
 
 
-@pytest.fixture
-def unequal(tmp_path) -> tuple[dict, str, Path]:
+@pytest.fixture(scope="module")
+def unequal(tmp_path_factory) -> tuple[dict, str, Path]:
     """A report in which every pair of conditions has its own participants."""
-    out = tmp_path / "o"
-    summary = build_report(foreign(tmp_path / "questionnaires.csv", UNEQUAL), out=out)
-    return json.loads(summary.results.read_text("utf-8")), summary.index.read_text("utf-8"), out
+    folder = tmp_path_factory.mktemp("unequal")
+    source = foreign(folder / "questionnaires.csv", UNEQUAL)
+    summary = planned_report(source, out=folder / "o")
+    return results_of(summary), summary.index.read_text("utf-8"), folder / "o"
 
 
 def test_scores_are_of_everybody_in_a_test_of_the_condition(unequal):
@@ -74,10 +83,10 @@ def test_mean_answers_are_of_everybody_in_a_test_of_the_condition(unequal):
 
 
 def test_of_one_pair_the_scores_are_those_of_its_test(tmp_path):
-    carnegie_like(tmp_path / "study")
-    results = json.loads(
-        build_report(tmp_path / "study", out=tmp_path / "o").results.read_text("utf-8")
-    )
+    study = carnegie_like(tmp_path / "study")
+    lines = f'outcomes = ["T", "N"]\n{WITHOUT_MODELS}'
+    summary = planned_report(study.folder, out=tmp_path / "o", lines=lines)
+    results = results_of(summary)
     for test in results["tests"]:
         for condition in ("dof_off", "dof_on"):
             (row,) = (
@@ -87,7 +96,8 @@ def test_of_one_pair_the_scores_are_those_of_its_test(tmp_path):
             )  # fmt: skip
             expected = test["descriptives"][condition]
             assert {name: row[name] for name in expected} == pytest.approx(expected)
-    page = (tmp_path / "o" / "index.html").read_text("utf-8")
+    page = summary.index.read_text("utf-8")
+    assert "Possible scores, without subtracting the baseline: " in page
     rows = rows_of(page, "SSQ scores of the analysed participants, mean per")
     assert [(row[1], row[2]) for row in rows[:3]] == [
         ("No blur", "6"), ("Blur", "6"), ("difference", "6"),
@@ -99,7 +109,7 @@ def test_one_score_has_no_standard_deviation(tmp_path):
     study = Study(tmp_path / "s")
     study.session("P1", 1, 0, [("a", "x", 4), ("b", "x", 2)])
     study.session("P2", 1, 0, [("b", "x", 5), ("a", "x", 3)])
-    page = build_report(study.folder, out=tmp_path / "o").index.read_text("utf-8")
+    page = planned_report(study.folder, out=tmp_path / "o").index.read_text("utf-8")
     first = described(tmp_path / "o", by="position", level="1", condition="a", outcome="T")
     assert [(row["n"], row["sd"]) for row in first] == [("1", "")]
     rows = rows_of(page, "Total severity of all scored exposures")
@@ -126,26 +136,22 @@ def test_estimates_without_an_interval_say_why(tmp_path):
     assert line[12].startswith("[")
 
 
-def as_effectsize(folder) -> Path:
-    plan = folder / "plan.toml"
-    plan.write_text('name = "r"\ntitle = "R"\nrank_biserial_interval = "effectsize"\n')
-    return plan
+def first_headline(folder: Path, scores: dict[str, dict[str, int]]) -> str:
+    source = foreign(folder / "questionnaires.csv", scores)
+    lines = f'{ONE_SCORE}rank_biserial_interval = "effectsize"\n'
+    return planned_report(source, out=folder / "o", lines=lines).headlines[0]
 
 
 def test_zeros_may_leave_an_interval_to_the_shift_alone(tmp_path):
     scores = {f"P{i}": {"a": 5, "b": 5 - 2 * (i < 3)} for i in range(8)}
-    source = foreign(tmp_path / "questionnaires.csv", scores)
-    summary = build_report(source, plan=as_effectsize(tmp_path), out=tmp_path / "o")
-    line = summary.headlines[0]
+    line = first_headline(tmp_path, scores)
     assert re.search(r"points, 95\u00a0% CI \[\S+,\u00a0\S+\], p\u00a0=", line)
     assert "r\u00a0=\u00a01.00 (no 95\u00a0% CI: too few differences other than 0)" in line
 
 
 def test_scores_of_zero_in_one_condition_are_a_difference(tmp_path):
     scores = {f"P{i}": {"a": 0, "b": 2 + i} for i in range(7)}
-    source = foreign(tmp_path / "questionnaires.csv", scores)
-    summary = build_report(source, plan=as_effectsize(tmp_path), out=tmp_path / "o")
-    line = summary.headlines[0]
+    line = first_headline(tmp_path, scores)
     assert "r\u00a0=\u00a0−1.00 (no 95\u00a0% CI: a has no score but 0)" in line
 
 
@@ -166,8 +172,9 @@ def test_ends_that_are_not_in_an_interval_are_written_so(found, written):
 def test_where_r_and_p_disagree_about_zero_is_counted(tmp_path):
     """Pratt's p ranks the zeros, which r does not have."""
     scores = {f"P{i}": {"a": 5, "b": 5 - 2 * (i < 6)} for i in range(8)}
-    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
-    tests = json.loads(summary.results.read_text("utf-8"))["tests"]
+    source = foreign(tmp_path / "questionnaires.csv", scores)
+    summary = planned_report(source, out=tmp_path / "o", lines=WITHOUT_MODELS)
+    tests = results_of(summary)["tests"]
     effects = [(t["verdict"], (t["simultaneous"] or t)["effect"]) for t in tests if t["effect"]]
     wrong = sum(
         (verdict in {"higher", "lower"}) == (found["low"] <= 0 <= found["high"])
@@ -179,12 +186,12 @@ def test_where_r_and_p_disagree_about_zero_is_counted(tmp_path):
 
 def test_the_page_of_more_conditions_than_are_compared_in_pairs(tmp_path):
     scores = {f"P{i}": {f"c{k:02d}": (i * k) % 7 for k in range(13)} for i in range(4)}
-    plan = tmp_path / "plan.toml"
-    plan.write_text(
-        'name = "p"\ntitle = "P"\noutcomes = ["T"]\nmixed_model = ["condition"]\nanova = []\n'
+    lines = (
+        'outcomes = ["T"]\nmixed_model = ["condition"]\nanova = []\n'
         'contrasts = [{ a = "c00", b = "c12" }]\n'
     )
-    summary = build_report(foreign(tmp_path / "q.csv", scores), plan=plan, out=tmp_path / "o")
+    source = foreign(tmp_path / "q.csv", scores)
+    summary = planned_report(source, out=tmp_path / "o", lines=lines)
     assert "Pairs are compared of up to 12 conditions." in summary.index.read_text("utf-8")
 
 
@@ -200,11 +207,5 @@ def test_an_interval_beyond_the_scores_is_known_with_one_end_or_none(low, high, 
 
 def test_an_interval_of_a_mean_that_is_beyond_the_scores_is_explained(tmp_path):
     scores = {f"P{i}": {"a": 20 * (i == 0) + i % 2, "b": 2} for i in range(6)}
-    summary = build_report(foreign(tmp_path / "q.csv", scores), out=tmp_path / "o", forms=())
+    summary = planned_report(foreign(tmp_path / "q.csv", scores), out=tmp_path / "o")
     assert "few, skewed scores leave the mean uncertain" in summary.index.read_text("utf-8")
-
-
-def test_possible_scores_of_changes_are_those_without_the_baseline(tmp_path):
-    carnegie_like(tmp_path / "study")
-    page = build_report(tmp_path / "study", out=tmp_path / "o", forms=()).index.read_text("utf-8")
-    assert "Possible scores, without subtracting the baseline: " in page

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.browser import open_page
-from tests.support.report import Study, build_report, foreign
+from tests.support.report import Study, build_report, foreign, planned_report
 from vrcomfort.errors import InputError
 from vrcomfort.report import ReportSummary
 from vrcomfort.report.tables import inert, to_csv
@@ -160,18 +160,14 @@ def test_every_page_has_the_policy_before_anything_else_that_counts(template):
     assert "unsafe" not in policy_with("a()").partition("script-src")[2]
 
 
-@pytest.mark.parametrize(
-    "cell", ["=1", "+a", "-a", "@a", "\ta", "\ra", "=", "-", "+1+cmd", "-1e", "'=1", "''-a"]
-)
-def test_a_text_that_begins_like_a_formula_is_inert(cell):
-    assert inert(cell) == f"'{cell}"
+def test_a_text_that_begins_like_a_formula_is_inert():
+    for cell in ("=1", "+a", "-a", "@a", "\ta", "\ra", "=", "-", "+1+cmd", "-1e", "'=1", "''-a"):
+        assert inert(cell) == f"'{cell}"
 
 
-@pytest.mark.parametrize(
-    "cell", [-1.5, -3, None, True, "-1.5", "+2", "-1e-05", "a=b", "", "'a", "'1"]
-)
-def test_numbers_and_plain_texts_stay_what_they_are(cell):
-    assert inert(cell) is cell
+def test_numbers_and_plain_texts_stay_what_they_are():
+    for cell in (-1.5, -3, None, True, "-1.5", "+2", "-1e-05", "a=b", "", "'a", "'1"):
+        assert inert(cell) is cell
 
 
 def test_the_names_of_columns_are_inert_too():
@@ -181,7 +177,7 @@ def test_the_names_of_columns_are_inert_too():
 def test_records_are_not_altered_by_a_report(tmp_path):
     source = foreign(tmp_path / "questionnaires.csv", {"=P1": {"=1+1": 3, "@b": 2}})
     before = source.read_bytes()
-    build_report(source, out=tmp_path / "o")
+    planned_report(source, out=tmp_path / "o")
     assert source.read_bytes() == before
 
 
@@ -190,14 +186,14 @@ def test_what_nobody_sees_is_written_out():
     assert escape_hidden("مرحبا 日本語 👩‍🔬 é") == "مرحبا 日本語 👩‍🔬 é"
 
 
-@pytest.mark.parametrize("name", ['"><script>', "a\\q", "\\g<1>", "a b", "", "é"])
-def test_an_svg_has_ids_of_its_own_whatever_its_name_is(name):
+def test_an_svg_has_ids_of_its_own_whatever_its_name_is():
     svg = '<?xml?><svg width="1"><g id="a"/><use xlink:href="#a" clip-path="url(#a)"/></svg>'
-    found = inline_svg(svg, name)
-    (own,) = set(re.findall(r'id="([\w.-]+)-a"', found))
-    assert f'href="#{own}-a"' in found
-    assert f"url(#{own}-a)" in found
-    assert own not in inline_svg(svg, f"{name}2")
+    for name in ('"><script>', "a\\q", "\\g<1>", "a b", "", "é"):
+        found = inline_svg(svg, name)
+        (own,) = set(re.findall(r'id="([\w.-]+)-a"', found))
+        assert f'href="#{own}-a"' in found
+        assert f"url(#{own}-a)" in found
+        assert own not in inline_svg(svg, f"{name}2")
 
 
 def test_a_figure_has_a_file_name_that_every_system_takes():

@@ -15,13 +15,19 @@ from scipy.stats import ttest_1samp
 from tests.support import designs
 from tests.support.places import ROOT
 from tests.support.report import (
+    HEAD,
     ITEMS,
+    ONE_SCORE,
+    WITHOUT_MODELS,
     Study,
+    analysed,
     answers,
     build_report,
     carnegie_like,
     foreign,
     manifest,
+    planned_report,
+    results_of,
     write_csv,
 )
 from vrcomfort.cli import main
@@ -40,23 +46,13 @@ from vrcomfort.stats.multiplicity import holm
 from vrcomfort.stats.signed_rank import signed_rank
 
 SCORES = {f"P{i}": {"a": 3 + i, "b": 2 + i // 2} for i in range(8)}
-HEAD = 'name = "mine"\ntitle = "Mine"\n'
+POST_BASELINE = '[[contrasts]]\na_timepoint = "post"\nb_timepoint = "baseline"\n'
 
 
-def analysed(source: Path, text: str = "") -> dict:
-    """Analyse without drawing; no text: the derived plan."""
-    study = read_study(source)
-    plan = read_plan(HEAD + text, None) if text else plan_of(study)
-    return as_json(analyse(study, plan)[0])
-
-
-def reported(source: Path, text: str = "") -> tuple[dict, str]:
-    """Return results and page of a report; no text: by the derived plan."""
-    out, plan = source.parent / "o", source.parent / "mine.toml"
-    plan.write_text(HEAD + text, encoding="utf-8")
-    summary = build_report(source, plan=plan if text else None, out=out, forms=())
-    results = json.loads(summary.results.read_text("utf-8"))
-    return results, summary.index.read_text("utf-8")
+def reported(source: Path, lines: str) -> tuple[dict, str]:
+    """Return results and page of a report."""
+    summary = planned_report(source, out=source.parent / "o", lines=lines)
+    return results_of(summary), summary.index.read_text("utf-8")
 
 
 def kinds(results: dict) -> list[str]:
@@ -121,7 +117,8 @@ def test_one_condition_is_compared_with_the_baseline_of_each_exposure(tmp_path):
 @pytest.mark.parametrize("kept", [("baseline", "post"), ("post",)])
 def test_the_page_of_one_condition_has_its_means(tmp_path, kept):
     scores = {who: {when: found[when] for when in kept} for who, found in PRE_POST.items()}
-    results, page = reported(timed(tmp_path / "questionnaires.csv", scores))
+    file = timed(tmp_path / "questionnaires.csv", scores)
+    results, page = reported(file, ONE_SCORE + POST_BASELINE * (len(kept) == 2))
     table = page[page.index("scores at each timepoint") :]
     table = table[: table.index("</table>")]
     rows = [d for d in results["descriptives"] if d["by"] == "timepoint"]
@@ -134,7 +131,7 @@ def test_the_page_of_one_condition_has_its_means(tmp_path, kept):
 
 def test_raw_scores_that_a_plan_asks_for_are_not_for_want_of_a_baseline(tmp_path):
     file = timed(tmp_path / "questionnaires.csv", PRE_POST)
-    results, page = reported(file, 'outcomes = ["T"]\nscores = "raw"\n')
+    results, page = reported(file, f'{ONE_SCORE}scores = "raw"\n')
     assert results["score_basis"] == "raw_post"
     assert "raw scores after exposure, as the plan asks" in page
     assert "no baseline questionnaire" not in page
@@ -148,7 +145,8 @@ def _loads(item: str) -> list[str]:
 def test_a_loss_between_before_and_after_is_told(tmp_path):
     moments = {who: dict(scores) for who, scores in PRE_POST.items()}
     del moments["P6"]["baseline"], moments["P7"]["post"]
-    results = analysed(timed(tmp_path / "questionnaires.csv", moments))
+    file = timed(tmp_path / "questionnaires.csv", moments)
+    results = analysed(file, ONE_SCORE + POST_BASELINE)
     assert results["tests"][0]["n"] == 6
     assert "2 of 8 participants are not in the tests of post and baseline" in results["notices"][0]
 
@@ -201,7 +199,8 @@ def crossed(folder: Path, met: Callable[[int], list[str]]) -> Path:
 
 def test_crossed_factors_are_tested_by_their_effects(tmp_path):
     folder = crossed(tmp_path / "study", lambda _: list(CROSSED))
-    results, page = reported(folder)
+    summary = build_report(folder, out=tmp_path / "o")
+    results, page = results_of(summary), summary.index.read_text("utf-8")
     scores = pd.read_csv(tmp_path / "o/tables/scores.csv")
     wide = scores.pivot_table(index="participant", columns="condition", values="T")[list(CROSSED)]
     effects = {each["effect"]: each for each in results["anova"][0]["effects"]}
@@ -254,7 +253,7 @@ def test_conditions_are_compared_at_any_timepoint(tmp_path):
                     )
     results = analysed(
         study.folder,
-        'outcomes = ["T"]\n[[contrasts]]\na = "a"\nb = "b"\na_timepoint = "recovery"\n'
+        f'{ONE_SCORE}[[contrasts]]\na = "a"\nb = "b"\na_timepoint = "recovery"\n'
         'b_timepoint = "recovery"\n[[contrasts]]\na = "b"\na_timepoint = "recovery"\n'
         'b = "b"\nb_timepoint = "baseline"\n',
     )
@@ -268,7 +267,7 @@ def test_conditions_are_compared_at_any_timepoint(tmp_path):
 def test_each_contrast_has_its_side(tmp_path):
     results, page = reported(
         foreign(tmp_path / "questionnaires.csv", SCORES),
-        'outcomes = ["T"]\n[[contrasts]]\na = "a"\nb = "b"\nalternative = "greater"\n'
+        f'{ONE_SCORE}[[contrasts]]\na = "a"\nb = "b"\nalternative = "greater"\n'
         '[[contrasts]]\na = "b"\nb = "a"\n',
     )
     one, two = results["tests"]
@@ -289,7 +288,7 @@ def test_a_scale_of_usability_is_not_read_as_discomfort(tmp_path):
     ]
     file = tmp_path / "questionnaires.csv"
     write_csv(file, ("participant", "condition", "instrument", "item", "response"), rows)
-    results, page = reported(file)
+    results, page = reported(file, WITHOUT_MODELS)
     assert "discomfort" not in page
     assert "<h2>Questions</h2>" in page
     assert "ymptom<" not in page
@@ -298,7 +297,7 @@ def test_a_scale_of_usability_is_not_read_as_discomfort(tmp_path):
 
 
 def test_the_side_on_the_page_is_that_of_the_tests(tmp_path):
-    contrast = 'outcomes = ["T"]\n[[contrasts]]\na = "a"\nb = "b"\nalternative = "less"\n'
+    contrast = f'{ONE_SCORE}[[contrasts]]\na = "a"\nb = "b"\nalternative = "less"\n'
     _, page = reported(foreign(tmp_path / "questionnaires.csv", SCORES), contrast)
     assert "<i>p</i>: less, exact" in page
     assert "<h2>Symptoms</h2>" in page
@@ -308,7 +307,7 @@ def test_the_side_on_the_page_is_that_of_the_tests(tmp_path):
 def test_asymptotic_p_values_are_those_of_z(tmp_path):
     results = analysed(
         foreign(tmp_path / "questionnaires.csv", SCORES),
-        'outcomes = ["T"]\np_value = "asymptotic"\n',
+        f'{ONE_SCORE}p_value = "asymptotic"\n',
     )
     test = results["tests"][0]
     assert (test["method"], test["p_exact"], test["p"]) == (
@@ -370,14 +369,15 @@ def test_conditions_of_different_people_are_compared_between_them(tmp_path):
 
 def test_pairs_of_different_people_are_told_what_to_write(tmp_path):
     scores = {f"P{i}": {"ab"[i % 2]: 2 + i} for i in range(12)}
-    text = 'outcomes = ["T"]\n[[contrasts]]\na = "a"\nb = "b"\n'
+    text = f'{ONE_SCORE}[[contrasts]]\na = "a"\nb = "b"\n'
     row = analysed(foreign(tmp_path / "questionnaires.csv", scores), text)["tests"][0]
     assert 'write between = "condition"' in row["not_tested"]
 
 
 def test_nobody_of_three_groups_is_missing_from_the_tests_of_the_others(tmp_path):
     scores = {f"P{i:02d}": {"abc"[i % 3]: 2 + i} for i in range(15)}
-    results, page = reported(foreign(tmp_path / "questionnaires.csv", scores), "")
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    results, page = results_of(summary), summary.index.read_text("utf-8")
     people = results["participants"]
     assert len(people["analysed"]) == 15
     assert people["left_out"] == people["in_some_tests"] == []
@@ -446,7 +446,7 @@ def test_effects_of_the_anova_can_be_in_a_family(tmp_path):
 def test_rules_exclude_and_each_exclusion_is_listed(tmp_path):
     study = carnegie_like(tmp_path / "study")
     rules = (
-        'participants = 8\n[[contrasts]]\na = "dof_off"\nb = "dof_on"\n'
+        f'participants = 8\n{ONE_SCORE}[[contrasts]]\na = "dof_off"\nb = "dof_on"\n'
         '[[exclusions]]\nname = "ill"\nreason = "had a cold"\nparticipants = ["P02", "P99"]\n'
         '[[exclusions]]\nname = "sick before"\nscore = "T"\ntimepoint = "baseline"\nabove = 10.0\n'
         '[[exclusions]]\nname = "short"\ntrial = "length_s"\nbelow = 50.0\nremoves = "exposure"\n'
@@ -482,7 +482,7 @@ def test_withdrawals_are_treated_as_the_plan_says(tmp_path):
     study = carnegie_like(tmp_path / "study")
     contrast = '[[contrasts]]\na = "dof_off"\nb = "dof_on"\n'
     found = {
-        kind: analysed(study.folder, f'outcomes = ["T"]\nwithdrawals = "{kind}"\n{contrast}')
+        kind: analysed(study.folder, f'{ONE_SCORE}withdrawals = "{kind}"\n{contrast}')
         for kind in ("complete_pairs", "available_pairs", "worst_rank")
     }
     n = {kind: results["tests"][0]["n"] for kind, results in found.items()}
@@ -501,12 +501,13 @@ def test_withdrawals_are_treated_as_the_plan_says(tmp_path):
 def test_missing_items_are_prorated_where_the_plan_says(tmp_path):
     file = foreign(tmp_path / "questionnaires.csv", SCORES)
     file.write_text(file.read_text().replace("P7,a,burping,0", "P7,a,burping,"))
-    assert analysed(file, 'outcomes = ["N"]\n')["tests"][0]["n"] == 7
-    test = analysed(file, 'outcomes = ["N"]\nmissing_items = "prorate"\n')["tests"][0]
+    nausea_alone = f'outcomes = ["N"]\n{WITHOUT_MODELS}'
+    assert analysed(file, nausea_alone)["tests"][0]["n"] == 7
+    test = analysed(file, f'{nausea_alone}missing_items = "prorate"\n')["tests"][0]
     assert test["n"] == 8
     nausea = sum(answers(10)[item] for item in ITEMS if "N" in _loads(item))
     assert test["descriptives"]["a"]["maximum"] == pytest.approx(9.54 * nausea * 7 / 6)
-    strict = 'outcomes = ["N"]\nmissing_items = "prorate"\nmin_answered = 1.0\n'
+    strict = f'{nausea_alone}missing_items = "prorate"\nmin_answered = 1.0\n'
     assert analysed(file, strict)["tests"][0]["n"] == 7
 
 
@@ -517,12 +518,12 @@ def test_outcomes_of_several_instruments_are_analysed_together(tmp_path):
     file = foreign(tmp_path / "questionnaires.csv", SCORES, instrument="ssq")
     ratings = [f"P{i},{c},fms,{i + (c == 'a')},fms" for i in range(8) for c in "ab"]
     file.write_text(file.read_text() + "\n".join(ratings) + "\n")
-    results = analysed(file, 'outcomes = ["T", "fms", "misc"]\n')
+    results = analysed(file, f'outcomes = ["T", "fms", "misc"]\n{WITHOUT_MODELS}')
     assert [test["outcome"] for test in results["tests"]] == ["T", "fms"]
     assert (results["tests"][1]["n"], results["tests"][1]["w_minus"]) == (8, 0)
     assert [each["instrument"] for each in results["outcomes"]] == ["ssq", "fms"]
     assert "outcome_not_found" in kinds(results)
-    alone = analysed(file, 'outcomes = ["fms"]\n')
+    alone = analysed(file, f'outcomes = ["fms"]\n{WITHOUT_MODELS}')
     assert [test["n"] for test in alone["tests"]] == [8]
 
 
@@ -554,7 +555,8 @@ def test_deviations_are_told(tmp_path):
     study.person("P01", "off")
     results = analysed(
         study.folder,
-        'participants = 20\n[[anova]]\nname = "group"\ncolumn = "group"\n'
+        'participants = 20\noutcomes = ["T"]\nmixed_model = []\n'
+        '[[anova]]\nname = "group"\ncolumn = "group"\n'
         '[[anova]]\nname = "blur"\ncolumn = "condition"\n',
     )
     found = {each["kind"]: each for each in results["deviations"]}
@@ -563,7 +565,7 @@ def test_deviations_are_told(tmp_path):
     assert "group has one level" in found["factor_left_out"]["text"]
     ruled = analysed(
         study.folder,
-        '[[exclusions]]\nname = "asleep"\nparticipants = ["P02"]\n',
+        f'{ONE_SCORE}[[exclusions]]\nname = "asleep"\nparticipants = ["P02"]\n',
     )
     assert "excluded_without_rule" not in kinds(ruled)
 
@@ -571,7 +573,7 @@ def test_deviations_are_told(tmp_path):
 def test_timepoints_that_no_questionnaire_has_are_told(tmp_path):
     results = analysed(
         timed(tmp_path / "questionnaires.csv", PRE_POST),
-        'outcomes = ["T"]\n[[contrasts]]\na_timepoint = "post"\nb_timepoint = "basline"\n',
+        ONE_SCORE + POST_BASELINE.replace("baseline", "basline"),
     )
     found = {each["kind"]: each["text"] for each in results["deviations"]}
     assert "`basline` (did you mean `baseline`?)" in found["timepoint_not_found"]
@@ -581,19 +583,19 @@ def test_timepoints_that_no_questionnaire_has_are_told(tmp_path):
 def test_more_pairs_than_the_exact_test_takes_are_a_deviation(tmp_path):
     scores = {f"P{i}": {"a": i % 7, "b": (i * 5) % 6} for i in range(520)}
     file = foreign(tmp_path / "questionnaires.csv", scores)
-    results = analysed(file, 'outcomes = ["T"]\nscores = "raw"\nmixed_model = []\nanova = []\n')
+    results = analysed(file, f'{ONE_SCORE}scores = "raw"\n')
     assert kinds(results) == ["other_method"]
     assert "asymptotic with more than 500 pairs" in results["deviations"][0]["text"]
 
 
 def test_the_hash_is_that_of_the_text(tmp_path):
     study = read_study(foreign(tmp_path / "questionnaires.csv", SCORES))
-    one, two = read_plan(HEAD, None), read_plan(HEAD + "# a word\n", None)
+    one, two = (read_plan(f"{HEAD}{ONE_SCORE}{more}", None) for more in ("", "# a word\n"))
     assert analyse(study, one)[0].plan.sha256 == one.sha256 != two.sha256
 
 
 def test_every_seed_is_recorded(tmp_path):
-    results = analysed(foreign(tmp_path / "questionnaires.csv", SCORES))
+    results = analysed(foreign(tmp_path / "questionnaires.csv", SCORES), ONE_SCORE)
     assert {seed["what"] for seed in results["seeds"]} == {"bootstrap-t of means"}
     assert all(isinstance(seed["seed"], int) for seed in results["seeds"])
 
@@ -634,7 +636,8 @@ def test_each_mode_of_motion_blur_is_compared_with_none(tmp_path):
     modes = ("off", "full", "objects", "translation", "translation_faded")
     scores = {f"P{i}": {m: (i * (k + 3)) % 9 for k, m in enumerate(modes)} for i in range(6)}
     file = foreign(tmp_path / "questionnaires.csv", scores)
-    results = as_json(analyse(read_study(file), load_plan(find_plan("motion_blur_2020")))[0])
+    plan = load_plan(find_plan("motion_blur_2020")).model_copy(update={"mixed_model": []})
+    results = as_json(analyse(read_study(file), plan)[0])
     total = [test for test in results["tests"] if test["outcome"] == "T"]
     assert [(test["a"], test["b"]) for test in total] == [("off", mode) for mode in modes[1:]]
     assert {family["name"]: family["size"] for family in results["families"]} == {

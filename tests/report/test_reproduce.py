@@ -4,13 +4,14 @@ import random
 import shutil
 import subprocess
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from tests.support import designs
 from tests.support.places import ROOT
-from tests.support.report import build_report, carnegie_like, foreign
+from tests.support.report import build_report, carnegie_like, foreign, planned_report
 from tests.support.waiting import SESSION_S
 
 RSCRIPT = shutil.which("Rscript")
@@ -163,17 +164,22 @@ def of_a_family(folder: Path, *analyses: str, anova: str = "[]") -> Path:
     return out
 
 
+@pytest.fixture(scope="module")
+def family_of_tests(tmp_path_factory) -> Path:
+    return of_a_family(tmp_path_factory.mktemp("family"), "tests")
+
+
 @needs_r
-def test_r_adjusts_tests_and_comparisons_of_a_family_together(tmp_path):
-    found = run(of_a_family(tmp_path, "tests"))
+def test_r_adjusts_tests_and_comparisons_of_a_family_together(family_of_tests):
+    found = run(family_of_tests)
     assert found.returncode == 0, found.stdout + found.stderr
     assert found.stdout.count("p, Holm") == 6  # two outcomes, each by three tests
     assert "the adjusted p values" not in found.stdout
 
 
 @needs_r
-def test_r_does_not_adjust_a_family_of_which_it_lacks_a_p(tmp_path):
-    out = of_a_family(tmp_path, "tests")
+def test_r_does_not_adjust_a_family_of_which_it_lacks_a_p(tmp_path, family_of_tests):
+    out = shutil.copytree(family_of_tests, tmp_path / "o")
     tests = out / "tables" / "tests.csv"
     header, *lines = tests.read_text("utf-8").splitlines()
     place = header.split(",").index("ranked_worst")
@@ -196,6 +202,7 @@ def test_effects_of_an_anova_are_adjusted_with_the_tests_of_their_family(tmp_pat
     assert ("the adjusted p values of scores" in found.stdout) != has_package("car")
 
 
+@cache
 def has_package(name: str) -> bool:
     asks = f'quit(status = !requireNamespace("{name}", quietly = TRUE))'
     return RSCRIPT is not None and not subprocess.run([RSCRIPT, "-e", asks], check=False).returncode
@@ -272,7 +279,7 @@ def test_a_number_that_r_does_not_find_is_told(tmp_path):
 
 
 def test_the_script_stands_beside_every_report(tmp_path):
-    build_report(random_study(tmp_path, 7), out=tmp_path / "o")
+    planned_report(random_study(tmp_path, 7), out=tmp_path / "o")
     text = (tmp_path / "o" / "reproduce.R").read_text("utf-8")
     assert text.startswith("# Makes the primary tests of this report again")
     assert text.isascii()

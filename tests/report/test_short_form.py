@@ -7,10 +7,17 @@ from typing import Any
 
 import pytest
 
-from tests.report.test_study import report
 from tests.support.layouts import ITEMS, PEOPLE, study, write
 from tests.support.made_studies import totals
-from tests.support.report import Study, answers, build_report, write_csv
+from tests.support.report import (
+    WITHOUT_MODELS,
+    Study,
+    analysed,
+    answers,
+    planned_report,
+    results_of,
+    write_csv,
+)
 from vrcomfort.errors import InputError
 from vrcomfort.importing import MappingFile, parse_mapping, write_study
 from vrcomfort.importing.convert import import_files
@@ -52,7 +59,8 @@ def titles(results: dict[str, Any]) -> list[str]:
 
 def test_a_short_form_is_analysed_and_called_one(tmp_path):
     folder = imported(tmp_path, "burping", "vertigo")
-    results = report(folder, tmp_path / "o")
+    summary = planned_report(folder, out=tmp_path / "o", lines=WITHOUT_MODELS)
+    results = results_of(summary)
     assert titles(results) == [
         "Total severity (short form)", "Nausea (short form)", "Oculomotor",
         "Disorientation (short form)",
@@ -65,7 +73,7 @@ def test_a_short_form_is_analysed_and_called_one(tmp_path):
         "goes from 0 to 213.18; scores of the items that were asked compare conditions of this "
         "study, and nothing with scores or norms of the whole questionnaire"
     )
-    page = (tmp_path / "o" / "index.html").read_text("utf-8")
+    page = summary.index.read_text("utf-8")
     assert "without vertigo, burping, which were not asked" in page
     assert "14 items" in page
     assert "Total severity (short form) 0.00 to 213.18" in page
@@ -86,9 +94,13 @@ def test_scores_of_a_short_form_are_those_of_the_items_that_were_asked():
     assert float(short.scale("N").high) == pytest.approx(9.54 * 18)
 
 
-def test_what_cannot_be_scored_is_said_once_and_the_rest_is_tested(tmp_path):
-    folder = imported(tmp_path, *OCULOMOTOR)
-    results = report(folder, tmp_path / "o")
+@pytest.fixture(scope="module")
+def without_oculomotor(tmp_path_factory) -> Path:
+    return imported(tmp_path_factory.mktemp("short"), *OCULOMOTOR)
+
+
+def test_what_cannot_be_scored_is_said_once_and_the_rest_is_tested(without_oculomotor):
+    results = analysed(without_oculomotor, WITHOUT_MODELS)
     assert titles(results) == ["Nausea (short form)", "Disorientation (short form)"]
     assert all(not test["not_tested"] for test in results["tests"])
     said = "Oculomotor cannot be scored: none of its items was asked"
@@ -98,11 +110,8 @@ def test_what_cannot_be_scored_is_said_once_and_the_rest_is_tested(tmp_path):
     )
 
 
-def test_a_planned_outcome_that_the_short_form_does_not_have_is_a_deviation(tmp_path):
-    folder = imported(tmp_path, *OCULOMOTOR)
-    plan = tmp_path / "plan.toml"
-    plan.write_text('name = "p"\ntitle = "P"\noutcomes = ["N", "O"]\n')
-    results = report(folder, tmp_path / "o", plan)
+def test_a_planned_outcome_that_the_short_form_does_not_have_is_a_deviation(without_oculomotor):
+    results = analysed(without_oculomotor, f'outcomes = ["N", "O"]\n{WITHOUT_MODELS}')
     kinds = {each["kind"]: each["text"] for each in results["deviations"]}
     assert kinds["outcome_not_found"] == (
         "outcome O is not in the data: the SSQ was asked as a short form, and none of its items "
@@ -111,12 +120,9 @@ def test_a_planned_outcome_that_the_short_form_does_not_have_is_a_deviation(tmp_
     assert kinds["short_form"].startswith("Nausea (short form): the SSQ was asked without general")
 
 
-def test_a_short_form_without_any_score_is_one_sentence(tmp_path):
-    folder = imported(tmp_path, *OCULOMOTOR)
-    plan = tmp_path / "plan.toml"
-    plan.write_text('name = "p"\ntitle = "P"\noutcomes = ["O"]\n')
+def test_a_short_form_without_any_score_is_one_sentence(without_oculomotor):
     with pytest.raises(InputError, match=r"the data have no outcome of the plan \(O: the SSQ was"):
-        build_report(folder, plan=plan, out=tmp_path / "o")
+        analysed(without_oculomotor, 'outcomes = ["O"]\n')
 
 
 @pytest.mark.parametrize(
@@ -156,7 +162,7 @@ def test_two_tables_of_one_study_may_leave_out_different_items(tmp_path):
         texts.append(text.replace("format_version = 1\n", "") if texts else text)
     mapping = MappingFile(parse_mapping("".join(texts), None), tmp_path / "m.toml", "".join(texts))
     write_study(tmp_path / "s", import_files(files, mapping.mapping), mapping, files)
-    results = report(tmp_path / "s", tmp_path / "o")
+    results = analysed(tmp_path / "s", WITHOUT_MODELS)
     assert results["score_basis"] == "difference_from_baseline"
     assert {test["n"] for test in results["tests"]} == {len(PEOPLE)}
     assert "without vertigo, burping" in "".join(results["notices"])
@@ -183,7 +189,7 @@ def recorded(folder: Path) -> Path:
 
 def test_an_item_that_no_questionnaire_of_a_study_has_makes_a_short_form(tmp_path):
     folder = without(recorded(tmp_path / "s"), {"": {"burping"}})
-    results = report(folder, tmp_path / "o")
+    results = analysed(folder, WITHOUT_MODELS)
     assert titles(results)[:2] == ["Total severity (short form)", "Nausea (short form)"]
     assert all(not test["not_tested"] and test["n"] == 12 for test in results["tests"])
     assert not results["quality"]["excluded_questionnaires"]
@@ -193,7 +199,7 @@ def test_an_item_that_no_questionnaire_of_a_study_has_makes_a_short_form(tmp_pat
 
 def test_the_items_of_one_subscale_are_scored_alone(tmp_path):
     folder = without(recorded(tmp_path / "s"), {"": {*ITEMS} - {*OCULOMOTOR}})
-    results = report(folder, tmp_path / "o")
+    results = analysed(folder, WITHOUT_MODELS)
     assert "Oculomotor" in titles(results)
     assert "Total severity (short form)" in titles(results)
     assert all(not test["not_tested"] and test["n"] == 12 for test in results["tests"])
@@ -202,7 +208,7 @@ def test_the_items_of_one_subscale_are_scored_alone(tmp_path):
 
 def test_an_item_that_some_people_lack_is_missing(tmp_path):
     folder = without(recorded(tmp_path / "s"), {"P03": {"burping"}})
-    results = report(folder, tmp_path / "o")
+    results = analysed(folder, WITHOUT_MODELS)
     assert titles(results)[0] == "Total severity"
     assert {row["participant"] for row in results["quality"]["excluded_questionnaires"]} == {"P03"}
 
@@ -210,5 +216,5 @@ def test_an_item_that_some_people_lack_is_missing(tmp_path):
 def test_questionnaires_that_were_cut_short_are_no_short_form(tmp_path):
     cut = {f"P{i + 1:02d}": set(ITEMS[3 + i % 4 :]) for i in range(12)}
     folder = without(recorded(tmp_path / "s"), cut)
-    results = report(folder, tmp_path / "o")
+    results = analysed(folder, WITHOUT_MODELS)
     assert not any("short form" in line for line in results["notices"])

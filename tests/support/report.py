@@ -14,6 +14,16 @@ from tests.support import drawn
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.records import ParticipantRow, QuestionnaireRow, TrialRow
 from vrcomfort.report import Form, ReportSummary
+from vrcomfort.report.build import choose_plan
+from vrcomfort.report.plan_files import read_plan
+from vrcomfort.report.results import analyse
+from vrcomfort.report.rows import as_json
+from vrcomfort.report.study_data import read_study
+
+HEAD = 'name = "p"\ntitle = "P"\n'
+WITHOUT_MODELS = "mixed_model = []\nanova = []\n"
+ONE_SCORE = f'outcomes = ["T"]\n{WITHOUT_MODELS}'
+"""Lines of a plan for the total score alone, without models: a third of the work of a report."""
 
 
 def build_report(
@@ -21,6 +31,26 @@ def build_report(
 ) -> ReportSummary:
     """Build a report, without figures unless a test or ``pytest --draw`` asks for them."""
     return vrcomfort.report.build_report(source, out=out, forms=forms or drawn.FORMS, **more)
+
+
+def planned_report(source: Path, *, out: Path, lines: str = ONE_SCORE) -> ReportSummary:
+    """Build a report by a plan of these lines, which is written beside its folder."""
+    plan = out.with_suffix(".toml")
+    plan.write_text(HEAD + lines, "utf-8")
+    return build_report(source, plan=plan, out=out)
+
+
+def analysed(source: Path, lines: str | None = None) -> dict[str, Any]:
+    """Return results without a page, by a plan of these lines or by the one that is chosen."""
+    study = read_study(source)
+    plan = choose_plan(study, None) if lines is None else read_plan(HEAD + lines, None)
+    found: dict[str, Any] = as_json(analyse(study, plan)[0])
+    return found
+
+
+def results_of(summary: ReportSummary) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(summary.results.read_text("utf-8"))
+    return found
 
 
 SSQ = shipped_instruments()["ssq"]

@@ -390,20 +390,17 @@ class Recording:
             If the recording is damaged, with its place.
         """
         cell = column(name)
-        with (
-            self.told_with_its_place(),
-            memory.database() as database,
-            self.table() as (table, columns),
-        ):
+        with self.told_with_its_place(), self.table() as (table, columns):
             if name not in columns:
                 return None
-            each = f"SELECT DISTINCT {cell} FROM {table} WHERE {cell} <> '' ORDER BY 1"  # noqa: S608
-            words = [str(word) for (word,) in database.execute(each).fetchall()]
-            if not words:
-                return None
-            place = f"coalesce(list_position(?, {cell}), 0) - 1"
-            query = f"SELECT CAST({place} AS INTEGER) AS place FROM {table}"  # noqa: S608
-            found = database.execute(query, [words]).fetchnumpy()
+            with memory.database() as database:
+                each = f"SELECT DISTINCT {cell} FROM {table} WHERE {cell} <> '' ORDER BY 1"  # noqa: S608
+                words = [str(word) for (word,) in database.execute(each).fetchall()]
+                if not words:
+                    return None
+                place = f"coalesce(list_position(?, {cell}), 0) - 1"
+                query = f"SELECT CAST({place} AS INTEGER) AS place FROM {table}"  # noqa: S608
+                found = database.execute(query, [words]).fetchnumpy()
         return Categories(np.asarray(found["place"], np.int32), tuple(words))
 
 
