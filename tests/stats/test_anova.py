@@ -1,4 +1,4 @@
-"""Against R's afex on O'Brien & Kaiser (1985), NIST StRD, scipy and pingouin."""
+"""Against R's afex on O'Brien & Kaiser (1985), scipy and pingouin."""
 
 import numpy as np
 import pandas as pd
@@ -31,14 +31,6 @@ B 2 2 3 1 2 5 6 7 5 2 6 7 8 6 3
 B 2 2 3 4 4 6 6 7 9 7 7 7 8 6 7
 B 4 5 7 5 4 7 7 8 6 7 7 8 10 8 7
 """
-# NIST StRD SiRstv: resistance of silicon wafers, five instruments.
-SIRSTV = [
-    [196.3052, 196.1240, 196.1890, 196.2569, 196.3403],
-    [196.3042, 196.3825, 196.1669, 196.3257, 196.0422],
-    [196.1303, 196.2005, 196.2889, 196.0343, 196.1811],
-    [196.2795, 196.1748, 196.1494, 196.1485, 195.9885],
-    [196.2119, 196.1051, 196.1850, 196.0052, 196.2090],
-]
 
 
 @pytest.fixture(scope="module")
@@ -56,13 +48,6 @@ def table(groups) -> pd.DataFrame:
     rows = [(str(g), y) for g, values in enumerate(groups) for y in values]
     data = pd.DataFrame(rows, columns=["group", "y"])
     return data.assign(id=[f"P{i:05d}" for i in range(len(data))])
-
-
-def small_letters(leading: float) -> pd.DataFrame:
-    """NIST StRD SmLs03, 06 and 09: a constant plus 0.4, then 0.3 and 0.5 alternating."""
-    offsets = (0, -0.1, 0.1, -0.1, 0.1, -0.1, 0.1, -0.1, 0.1)
-    pattern = [0.4, *[0.3, 0.5] * 1000]
-    return table([[round(leading + p + o, 1) for p in pattern] for o in offsets])
 
 
 @pytest.mark.smoke
@@ -113,21 +98,6 @@ def test_two_within_factors_are_those_of_afex(obk):
     assert phase.sphericity.mauchly_p == pytest.approx(0.086304, abs=5e-7)
     assert hour.sphericity.mauchly_p == pytest.approx(0.000718, rel=0.02)
     assert both.sphericity.mauchly_p == pytest.approx(0.027376, rel=0.01)
-
-
-@pytest.mark.parametrize(
-    ("data", "certified", "tolerance"),
-    [
-        (table(SIRSTV), 1.18046237440255, 1e-10),
-        (small_letters(1.0), 2001.0, 1e-9),
-        (small_letters(1e6), 2001.0, 1e-9),
-        (small_letters(1e12), 2001.0, 1e-4),  # the digits are lost in reading, not here
-    ],
-    ids=["SiRstv", "SmLs03", "SmLs06", "SmLs09"],
-)
-def test_nist_one_way(data, certified, tolerance):
-    effect = anova(data, value="y", participant="id", between="group").effects[0]
-    assert effect.f == pytest.approx(certified, rel=tolerance)
 
 
 @given(st.lists(st.lists(st.integers(0, 30), min_size=3, max_size=6), min_size=2, max_size=4))
@@ -213,7 +183,7 @@ def test_interval_of_partial_eta_squared_contains_zero_unless_significant(f, df1
 
 
 @given(st.lists(st.permutations((0, 1, 2)), min_size=3, max_size=7), st.sampled_from(["II", "III"]))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25)
 def test_an_effect_of_exactly_zero_has_no_negative_sum_of_squares(scores, sums_of_squares):
     """Both groups, of unequal size, have the same people in them: no group effect at all."""
     people = [("x", each) for each in scores] + [("y", each) for each in (*scores, *scores)]

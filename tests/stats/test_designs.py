@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -178,22 +177,20 @@ OURS = {
 }
 
 
-def cases() -> Iterator[tuple[str, str]]:
-    table = pd.read_csv(DATA / "r_output.csv", dtype=str)
-    yield from table.groupby(["analysis", "dataset"], sort=False).groups
+R_OUTPUT = pd.read_csv(DATA / "r_output.csv")
 
 
-@pytest.mark.parametrize(("analysis", "dataset"), list(cases()))
-def test_numbers_are_those_of_r(analysis: str, dataset: str) -> None:
-    table = pd.read_csv(DATA / "r_output.csv")
-    rows = table[(table["analysis"] == analysis) & (table["dataset"] == dataset)]
-    ours = OURS[analysis](dataset)
-    expected = dict(zip(rows["quantity"], rows["value"], strict=True))
-    known = {key: value for key, value in expected.items() if not np.isnan(value)}
-    if analysis == "pearson":  # R's interval is Fisher's, which skewed scores leave
-        low, high = known.pop("low"), known.pop("high")
-        assert ours["low"] <= low < high <= ours["high"]
-    assert {key: ours[key] for key in known} == pytest.approx(known, rel=1e-6, abs=1e-12)
+@pytest.mark.parametrize("analysis", R_OUTPUT["analysis"].unique())
+def test_numbers_are_those_of_r(analysis: str) -> None:
+    for dataset, rows in R_OUTPUT[R_OUTPUT["analysis"] == analysis].groupby("dataset"):
+        ours = OURS[analysis](dataset)
+        expected = dict(zip(rows["quantity"], rows["value"], strict=True))
+        known = {key: value for key, value in expected.items() if not np.isnan(value)}
+        if analysis == "pearson":  # R's interval is Fisher's, which skewed scores leave
+            low, high = known.pop("low"), known.pop("high")
+            assert ours["low"] <= low < high <= ours["high"]
+        found = {key: ours[key] for key in known}
+        assert found == pytest.approx(known, rel=1e-6, abs=1e-12), dataset
 
 
 def test_shrout_and_fleiss_print_these() -> None:
@@ -202,22 +199,24 @@ def test_shrout_and_fleiss_print_these() -> None:
 
 
 @pytest.mark.parametrize("dataset", ["distinct", "tied", "uneven", "separate"])
-@pytest.mark.parametrize("side", SIDES)
-def test_shift_holds_what_the_test_does_not_reject(dataset: str, side: str) -> None:
+def test_shift_holds_what_the_test_does_not_reject(dataset: str) -> None:
     a, b = both(dataset)
-    shift = mann_whitney(a, b, alternative=side).shift
-    for theta in np.arange(-30, 60):
-        p = mann_whitney(a - theta, b, alternative=side, intervals=False).p
-        above = shift.low is None or theta > shift.low or (theta == shift.low and shift.low_closed)
-        below = shift.high is None or theta < shift.high
-        below = below or (theta == shift.high and shift.high_closed)
-        assert p <= 0.05 or (above and below)
+    for side in SIDES:
+        shift = mann_whitney(a, b, alternative=side).shift
+        for theta in np.arange(-30, 60):
+            p = mann_whitney(a - theta, b, alternative=side, intervals=False).p
+            above = shift.low is None or theta > shift.low
+            above = above or (theta == shift.low and shift.low_closed)
+            below = shift.high is None or theta < shift.high
+            below = below or (theta == shift.high and shift.high_closed)
+            assert p <= 0.05 or (above and below), side
 
 
 def test_groups_too_large_for_the_exact_distribution_are_asymptotic() -> None:
     half = EXACT_UP_TO // 2
-    assert mann_whitney(range(half), range(half)).method == "exact"
-    assert mann_whitney(range(half + 1), range(half)).method == "asymptotic"
+    for more, method in ((0, "exact"), (1, "asymptotic")):
+        test = mann_whitney(range(half + more), range(half), intervals=False)
+        assert test.method == method
 
 
 def test_who_is_alone_or_all_alike_gets_a_result_that_says_so() -> None:
@@ -320,13 +319,12 @@ def test_nobody_with_a_preference() -> None:
     assert preference(0, 0, 0).shares == (None, None, None)
 
 
-@pytest.mark.parametrize("share", [1.0, 1e-1, 1e-2, 1e-3, 1e-4, 0.9e-4, 1e-5, 1e-8, 1e-12])
-@pytest.mark.parametrize("n", [3, 4, 8, 40])
-def test_differences_that_hardly_vary_have_an_interval_of_g(n: int, share: float) -> None:
+@pytest.mark.parametrize("n", [3, 8, 40])
+def test_differences_that_hardly_vary_have_an_interval_of_g(n: int) -> None:
     """The noncentral t has no value far from the noncentrality, and for very large ones."""
-    differences = 7 + share * np.arange(n)
-    for sign in (1, -1):
-        found = paired_t(sign * differences)
+    shares = (1.0, 1e-1, -1e-2, 1e-3, -1e-4, 0.9e-4, 1e-5, -1e-8, 1e-12)
+    for share in shares:
+        found = paired_t(np.sign(share) * 7 + share * np.arange(n))
         assert found is not None
         low, high = found.hedges_g.low, found.hedges_g.high
         assert low is not None
@@ -347,10 +345,10 @@ def test_the_interval_of_g_goes_on_where_the_noncentral_t_has_no_value() -> None
         assert ends[0] == pytest.approx(ends[1], rel=1e-5)
 
 
-@pytest.mark.parametrize("n", [3, 4, 8, 40])
+@pytest.mark.parametrize("n", [3, 8, 40])
 def test_a_bayes_factor_grows_with_t(n: int) -> None:
     """An integral over g loses it beyond t of some hundreds: pingouin's falls, even below 0."""
-    found = [jzs_bayes_factor(t, n) for t in (0.0, *np.geomspace(1, 1e8, 80))]
+    found = [jzs_bayes_factor(t, n) for t in (0.0, *np.geomspace(1, 1e8, 30))]
     assert all(a < b or b == np.inf for a, b in pairwise(found[1:]))
     assert 0 < found[0] < 1
     # Far out, where the weight lies at a g of t², it goes as t to the power of n - 2.
@@ -367,25 +365,25 @@ def test_the_bayes_factor_of_sleep_is_that_of_r() -> None:
 
 
 @pytest.mark.parametrize("sizes", [(3, None), (20, None), (9, 14)])
-@pytest.mark.parametrize("t", [-2.5, 0.0, 0.4, 3.0, 20.0])
-def test_a_bayes_factor_is_that_of_pingouin(t: float, sizes: tuple[int, int | None]) -> None:
+def test_a_bayes_factor_is_that_of_pingouin(sizes: tuple[int, int | None]) -> None:
     n, m = sizes
-    theirs = pingouin().bayesfactor_ttest(t, n, m, paired=m is None, r=PRIOR_SCALE)
-    assert jzs_bayes_factor(t, n, m) == pytest.approx(float(theirs), rel=1e-8)
+    for t in (-2.5, 0.0, 0.4, 3.0, 20.0):
+        theirs = pingouin().bayesfactor_ttest(t, n, m, paired=m is None, r=PRIOR_SCALE)
+        assert jzs_bayes_factor(t, n, m) == pytest.approx(float(theirs), rel=1e-8)
 
 
-@pytest.mark.parametrize("seed", range(40))
 @pytest.mark.parametrize("method", ["pearson", "spearman", "kendall"])
-def test_intervals_of_correlations_say_of_0_what_p_says(method: str, seed: int) -> None:
-    random = np.random.default_rng(seed)
-    x, y = random.integers(0, 5, (2, 5 + seed % 12)) ** 2
-    found = correlation(x, y + x * (seed % 3), method=method)
-    if found.low is None or found.high is None or found.p is None:
-        return
-    above = found.low < 0 or (found.low == 0 and found.low_closed)
-    below = found.high > 0 or (found.high == 0 and found.high_closed)
-    assert (above and below) == (found.p > 0.05)
-    assert -1 <= found.low <= found.estimate <= found.high <= 1
+def test_intervals_of_correlations_say_of_0_what_p_says(method: str) -> None:
+    for seed in range(40):
+        random = np.random.default_rng(seed)
+        x, y = random.integers(0, 5, (2, 5 + seed % 12)) ** 2
+        found = correlation(x, y + x * (seed % 3), method=method)
+        if found.low is None or found.high is None or found.p is None:
+            continue
+        above = found.low < 0 or (found.low == 0 and found.low_closed)
+        below = found.high > 0 or (found.high == 0 and found.high_closed)
+        assert (above and below) == (found.p > 0.05), seed
+        assert -1 <= found.low <= found.estimate <= found.high <= 1
 
 
 def test_pearsons_interval_is_that_of_the_jackknife_where_a_pair_is_far_out() -> None:
@@ -406,7 +404,7 @@ def test_pearsons_interval_is_that_of_the_jackknife_where_a_pair_is_far_out() ->
 def test_standardised_effects_say_of_zero_what_their_p_says(variances, alternative) -> None:
     """Welch's p is not that of the pooled deviation; the jackknife's interval is no inversion."""
     random, seen, sign = np.random.default_rng(12), 0, -1 if alternative == "less" else 1
-    for _ in range(60):
+    for _ in range(20):
         n, m = random.integers(3, 25, 2)
         a, b = random.normal(sign * 0.9, 1, n), random.normal(0, random.choice([0.2, 1, 4]), m)
         tests = [two_sample_t(a, b, variances=variances, alternative=alternative)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -27,6 +28,7 @@ def rows_of(dataset: str) -> pd.DataFrame:
     return ANSWERS[ANSWERS["dataset"] == dataset]
 
 
+@cache
 def model_of(dataset: str, *, alone: bool = False):
     rows = rows_of(dataset)
     rows = rows.assign(who=range(len(rows))) if alone else rows

@@ -102,7 +102,7 @@ def test_the_same_seed_gives_the_same_power_in_any_order_of_work():
 
 def test_holm_asks_for_a_level_of_all_tests_of_its_family():
     question = question_of("motion_blur_2020", Effect(0.8, standardised=True))
-    (row,) = simulate_power(question, (16,), studies=400, seed=1)
+    (row,) = simulate_power(question, (16,), studies=200, seed=1)
     assert question.holm_tests == 4
     assert row.adjusted is not None
     assert row.adjusted.share < row.power.share

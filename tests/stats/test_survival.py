@@ -86,22 +86,19 @@ def of_cox(model, *, robust):
     return found
 
 
-@pytest.mark.parametrize(
-    ("analysis", "name"),
-    [*OUTPUT[["analysis", "dataset"]].drop_duplicates().itertuples(index=False, name=None)],
-)
-def test_is_what_r_says(analysis, name):
-    there = OUTPUT[(OUTPUT["analysis"] == analysis) & (OUTPUT["dataset"] == name)]
-    found = ours(analysis, name)
-    for quantity, value in zip(there["quantity"], there["value"], strict=True):
-        mine = found[quantity]
-        no_error = quantity.startswith("std.err") and value == 0 and np.isnan(mine)
-        if no_error:  # of a robust curve that is at 0: R says 0 there, for Greenwood's NaN
-            assert found[quantity.replace("std.err", "surv")] == 0
-        elif np.isnan(value):
-            assert mine is None or np.isnan(mine), quantity
-        else:
-            assert mine == pytest.approx(value, rel=RELATIVE, abs=1e-12), quantity
+@pytest.mark.parametrize("analysis", OUTPUT["analysis"].unique())
+def test_is_what_r_says(analysis):
+    for name, there in OUTPUT[OUTPUT["analysis"] == analysis].groupby("dataset"):
+        found = ours(analysis, name)
+        for quantity, value in zip(there["quantity"], there["value"], strict=True):
+            mine, of = found[quantity], (name, quantity)
+            no_error = quantity.startswith("std.err") and value == 0 and np.isnan(mine)
+            if no_error:  # of a robust curve that is at 0: R says 0 there, for Greenwood's NaN
+                assert found[quantity.replace("std.err", "surv")] == 0, of
+            elif np.isnan(value):
+                assert mine is None or np.isnan(mine), of
+            else:
+                assert mine == pytest.approx(value, rel=RELATIVE, abs=1e-12), of
 
 
 def test_nobody_had_the_event():
@@ -205,7 +202,7 @@ def enumerated_p(times, events, groups, strata):
     return np.mean(sums >= abs(scores[np.asarray(groups) == "b"].sum()) - 1e-9)
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_the_exact_log_rank_test_is_that_over_every_labelling(seed):
     random = np.random.default_rng(seed)
     strata = np.repeat(np.arange(5), 2) if seed % 3 else np.zeros(9, dtype=int)

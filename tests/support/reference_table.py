@@ -1,7 +1,7 @@
 """Reference numbers of docs/statistics_checks.md: `python -m tests.support.reference_table`.
 
 One row per test and convention: of all data sets it shows the one in which ours is farthest from
-what is expected. Every single number is a test in `tests/stats/test_oracles.py` or
+what is expected. Every single number is tested in `tests/stats/test_oracles.py` or
 `tests/stats/test_reference_table.py`.
 """
 
