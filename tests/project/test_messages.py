@@ -23,7 +23,7 @@ FORBIDDEN = re.compile(
 def messages(file: Path) -> Iterator[tuple[int, str]]:
     """Yield (line, text) of the errors and problems of a file, with `{…}` for values."""
     source = file.read_text("utf-8")
-    if not re.search(r"\b(InputError|Problem|message)\b", source):
+    if not re.search(r"\b(InputError\(|Problem\(|message = )", source):
         return
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") in {"InputError", "Problem"}:

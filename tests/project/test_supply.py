@@ -12,6 +12,7 @@ import threading
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from importlib.metadata import Distribution, PackageNotFoundError, distribution, version
 from itertools import chain
 from pathlib import Path
@@ -73,7 +74,7 @@ def megabytes(distributions: Iterator[Distribution] | list[Distribution]) -> flo
     """Return the size of all files, those that Python has compiled among them."""
     files = {str(file.locate()) for each in distributions for file in each.files or ()}
     folders = {folder for file in files for folder in (parent(file), f"{parent(file)}/__pycache__")}
-    sizes = {entry.path: entry.stat().st_size for each in folders for entry in entries(each)}
+    sizes = {path: size for each in folders for path, size in sizes_in(each).items()}
     compiled = {each for each in sizes if each.endswith(".pyc") and source(each) in files}
     return sum(sizes[each] for each in sizes.keys() & (files | compiled)) / 1e6
 
@@ -88,13 +89,14 @@ def parent(file: str) -> str:
     return file.rpartition("/")[0]
 
 
-def entries(folder: str) -> list[os.DirEntry[str]]:
-    """Return the files of a folder, which need not be there."""
+@cache
+def sizes_in(folder: str) -> dict[str, int]:
+    """Return the sizes of the files of a folder, which need not be there."""
     try:
         with os.scandir(folder) as found:
-            return [entry for entry in found if entry.is_file()]
+            return {entry.path: entry.stat().st_size for entry in found if entry.is_file()}
     except FileNotFoundError:
-        return []
+        return {}
 
 
 @pytest.mark.smoke
@@ -269,6 +271,11 @@ def test_the_audit_says_that_there_was_none(two_packages, answer, status):
         run = audit(address, two_packages)
     assert run.returncode == 0, run.stderr
     assert run.stdout.startswith("NOT AUDITED: 2 packages; ")
+
+
+def test_without_a_database_there_is_no_audit(two_packages):
+    with database(b"") as (address, _):
+        pass
     closed = audit(address, two_packages)
     assert closed.returncode == 0
     assert closed.stdout.startswith("NOT AUDITED: 2 packages; ")

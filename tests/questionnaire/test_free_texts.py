@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.console.test_verbal import Experimenter
@@ -79,6 +79,7 @@ def texts(folder):
 
 
 @given(st.text(st.characters(exclude_characters="\r")))
+@settings(max_examples=60)
 def test_any_text_comes_back_and_is_one_line(text):
     line = one_line(text)
     assert in_lines(line) == text

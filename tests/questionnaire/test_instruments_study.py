@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.places import ROOT
-from tests.support.report import build_report
+from tests.support.report import HEAD, WITHOUT_MODELS, build_report, results_of
 from tests.support.session import run
 from tests.support.study import PROTOCOL, AheadHeadset, LateFocus, read_rows, tiny_protocol
 from vrcomfort.errors import InputError
@@ -87,20 +87,13 @@ def test_the_report_has_the_scores_of_both_and_no_word_of_an_ssq(study, tmp_path
     assert float(row["room_quality.presence"]) == int(row["room_quality.presence_raw"]) / 2
 
 
-def test_a_plan_without_outcomes_takes_those_that_the_data_have(study, tmp_path):
+def test_of_one_instrument_a_plan_without_outcomes_takes_those_that_the_data_have(study, tmp_path):
     plan = tmp_path / "plan.toml"
-    plan.write_text('name = "mine"\ntitle = "Mine"\nanova = []\nmixed_model = []\n')
-    build_report(study, plan=plan, out=tmp_path / "o", instrument="vrsq")
-    results = json.loads((tmp_path / "o/results.json").read_text(encoding="utf-8"))
+    plan.write_text(HEAD + WITHOUT_MODELS)
+    results = results_of(build_report(study, plan=plan, out=tmp_path / "o", instrument="vrsq"))
     names = ["vrsq.total", "vrsq.oculomotor", "vrsq.disorientation"]
-    assert results["plan"]["outcomes"] == names
+    assert [each["name"] for each in results["outcomes"]] == results["plan"]["outcomes"] == names
     assert {test["outcome"] for test in results["tests"]} == set(names)
-
-
-def test_one_instrument_of_a_study_is_reported_alone(study, tmp_path):
-    build_report(study, out=tmp_path, instrument="vrsq")
-    results = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
-    assert [each["instrument"] for each in results["outcomes"]] == ["vrsq"] * 3
     with pytest.raises(InputError, match="has no answers to the SSQ"):
         build_report(study, out=tmp_path, instrument="ssq")
 

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.console import Console
 
@@ -86,6 +86,7 @@ def test_the_same_person_answers_the_same_and_others_do_not():
 
 
 @given(st.integers(0, 2**32), st.floats(0, 60), st.floats(0.1, 3))
+@settings(max_examples=40)
 def test_answers_stay_on_their_scales(seed, minutes, rate):
     person = somebody(seed, rate_per_min=rate)
     expose(person, minutes=minutes)
