@@ -20,6 +20,7 @@ from typer.testing import CliRunner
 
 from tests.importing.test_head_logs import uxf, walk
 from tests.support.doc_blocks import ELSEWHERE, ROOT, Block, blocks, shortened
+from tests.support.resume import go
 from vrcomfort.cli.app import app
 from vrcomfort.importing.mapping import LabMapping
 from vrcomfort.importing.suggest.vocabulary import VocabularyFile
@@ -74,13 +75,11 @@ def vrcomfort(folder: Path, *words: str) -> None:
 
 @pytest.fixture(scope="module")
 def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with the files that pages speak of: a study, another with frames."""
+    """Return a folder with the files that pages speak of, a study among them."""
     folder = tmp_path_factory.mktemp("lab")
     shutil.copy(ROOT / "protocols" / "carnegie_2015.toml", folder / "my_study.toml")
-    told = ["simulate", "my_study.toml", "--out"]
-    vrcomfort(folder, *told, "my_study", "-n", "8", "--no-draw", "--seed", "1")  # P05 withdraws
-    small = ["--exposure-s", "0.2", "--refresh-hz", "10", "--size", "16x20"]
-    vrcomfort(folder, *told, "drawn", "-n", "1", *small)
+    told = ["simulate", "my_study.toml", "--out", "my_study"]
+    vrcomfort(folder, *told, "-n", "8", "--no-draw", "--seed", "1")  # P05 withdraws
     for data in ("import", "fms"):
         shutil.copytree(ROOT / "tests" / "data" / data, folder / "tests" / "data" / data)
     shutil.copytree(ROOT / "docs" / "plans", folder / "docs" / "plans")
@@ -89,7 +88,13 @@ def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def with_frames(folder: Path) -> None:
     shutil.rmtree(folder / "my_study")
-    (folder / "drawn").rename(folder / "my_study")
+    go(folder, study="my_study")
+
+
+def with_pictures(folder: Path) -> None:
+    shutil.rmtree(folder / "my_study")
+    small = ["--exposure-s", "0.2", "--refresh-hz", "10", "--size", "16x20"]
+    vrcomfort(folder, "simulate", "my_study.toml", "--out", "my_study", "-n", "1", *small)
 
 
 def of_the_readme(folder: Path) -> None:
@@ -156,7 +161,7 @@ PREPARED: dict[str, Callable[[Path], object]] = {
     "power.md": with_a_pilot,
     "protocols.md": lambda folder: (folder / "my_study.toml").unlink(),
     "recordings.md": with_frames,
-    "replay.md": with_frames,
+    "replay.md": with_pictures,
     "sharing.md": lambda folder: (folder.parent / "keys").mkdir(),
     "tasks.md": with_a_task,
 }
@@ -175,10 +180,14 @@ def remove(made: Path) -> None:
         made.unlink()
 
 
-def as_typed(block: Block, folder: Path) -> list[str]:
+def run_here(block: Block) -> list[str]:
     """Return the commands of a block that this test runs."""
     typed = [shortened(each) for each in block.commands]
-    typed = [each for each in typed if not any(re.match(start, each) for start in ELSEWHERE)]
+    return [each for each in typed if not any(re.match(start, each) for start in ELSEWHERE)]
+
+
+def as_typed(block: Block, folder: Path) -> list[str]:
+    typed = run_here(block)
     if "3f6c…" in block.text:
         sha256 = read_task_code(folder, ["count_nods.py"]).sha256
         typed = [each.replace("3f6c…", sha256) for each in typed]
@@ -189,7 +198,7 @@ def as_typed(block: Block, folder: Path) -> list[str]:
     "page",
     [
         pytest.param(page, marks=[pytest.mark.slow] if page in SLOW else [])
-        for page in sorted({each.page for each in COMMANDS} - FOLLOWED)
+        for page in sorted({each.page for each in COMMANDS if run_here(each)} - FOLLOWED)
     ],
 )
 def test_the_commands_of_a_page_run(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import http.server
 import json
 import os
@@ -72,11 +73,18 @@ def needed_by(requirements: list[Requirement]) -> dict[str, Distribution]:
 
 def megabytes(distributions: Iterator[Distribution] | list[Distribution]) -> float:
     """Return the size of all files, those that Python has compiled among them."""
-    files = {str(file.locate()) for each in distributions for file in each.files or ()}
+    files = {file for each in distributions for file in files_of(each)}
     folders = {folder for file in files for folder in (parent(file), f"{parent(file)}/__pycache__")}
     sizes = {path: size for each in folders for path, size in sizes_in(each).items()}
     compiled = {each for each in sizes if each.endswith(".pyc") and source(each) in files}
     return sum(sizes[each] for each in sizes.keys() & (files | compiled)) / 1e6
+
+
+def files_of(installed: Distribution) -> Iterator[str]:
+    """Yield the paths of a package's files, without an object for each, of which there are many."""
+    root = str(installed.locate_file(""))
+    for name, *_ in csv.reader((installed.read_text("RECORD") or "").splitlines()):
+        yield f"{root}/{name}"
 
 
 def source(compiled: str) -> str:
