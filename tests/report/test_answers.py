@@ -242,6 +242,9 @@ def test_text_in_figures_is_text(labelled):
         assert svg.count("<text") > 3
         assert 'id="DejaVu' not in svg  # no letters drawn as shapes
     assert ">Wild<" in (labelled / "figures" / "estimation_T.svg").read_text("utf-8")
+    page = (labelled / "index.html").read_text("utf-8")
+    drawn = len(list((labelled / "figures").iterdir()))
+    assert page.count("<figure>") == page.count('role="img"') == drawn
 
 
 def test_figures_on_the_page_have_the_colours_of_day_and_night(labelled):

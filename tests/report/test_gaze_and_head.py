@@ -71,7 +71,7 @@ def recorded(folder, *, avatar_deg=0.0, ahead_share=0.5, trial=1):
 
 @pytest.fixture
 def study(tmp_path):
-    folder = carnegie_like(tmp_path / "study").folder
+    folder = carnegie_like(tmp_path / "study", people=4).folder
     recorded(folder / "sub-P01" / "ses-1")
     return folder
 

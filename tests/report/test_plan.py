@@ -431,7 +431,8 @@ def test_time_is_a_factor_within_participants(tmp_path):
 def test_effects_of_the_anova_can_be_in_a_family(tmp_path):
     results = analysed(
         foreign(tmp_path / "questionnaires.csv", SCORES),
-        'outcomes = ["T", "N"]\n[[families]]\nname = "all"\noutcomes = ["T", "N"]\n'
+        'outcomes = ["T", "N"]\nmixed_model = []\n'
+        '[[families]]\nname = "all"\noutcomes = ["T", "N"]\n'
         'analyses = ["tests", "anova"]\n',
     )
     effects = [e for found in results["anova"] for e in found["effects"]]
@@ -581,9 +582,10 @@ def test_timepoints_that_no_questionnaire_has_are_told(tmp_path):
 
 
 def test_more_pairs_than_the_exact_test_takes_are_a_deviation(tmp_path):
-    scores = {f"P{i}": {"a": i % 7, "b": (i * 5) % 6} for i in range(520)}
-    file = foreign(tmp_path / "questionnaires.csv", scores)
-    results = analysed(file, f'{ONE_SCORE}scores = "raw"\n')
+    rows = [f"P{i},{c},fms,{(i * n) % 7},fms" for i in range(520) for c, n in (("a", 1), ("b", 5))]
+    file = tmp_path / "questionnaires.csv"
+    file.write_text("\n".join(["participant,condition,item,response,instrument", *rows, ""]))
+    results = analysed(file, f'outcomes = ["fms"]\nscores = "raw"\n{WITHOUT_MODELS}')
     assert kinds(results) == ["other_method"]
     assert "asymptotic with more than 500 pairs" in results["deviations"][0]["text"]
 

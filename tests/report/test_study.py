@@ -40,7 +40,7 @@ def total_raw(total: int) -> int:
 def carnegie(tmp_path_factory) -> tuple[dict, Path]:
     folder = tmp_path_factory.mktemp("carnegie")
     carnegie_like(folder / "study")
-    made = build_report(folder / "study", out=folder / "out", forms=("svg",))
+    made = build_report(folder / "study", out=folder / "out")
     return results_of(made), folder
 
 
@@ -161,7 +161,6 @@ def test_order_effects_are_reported(carnegie):
 def test_page_is_self_contained_and_complete(carnegie):
     page = (carnegie[1] / "out" / "index.html").read_text("utf-8")
     assert not re.search(r'<(script src|link|img|iframe)\b|url\(["\']?http|src=', page)
-    assert page.count("<figure>") == page.count('role="img"') == 9
     assert "No blur minus Blur" in page
     for words in ("Holm", "Pratt", "Greenhouse", "withdrew", "P05", "3.74"):
         assert words in page
@@ -170,10 +169,13 @@ def test_page_is_self_contained_and_complete(carnegie):
 
 
 @pytest.mark.slow
-def test_same_input_gives_the_same_bytes(carnegie, tmp_path):
-    _, folder = carnegie
-    build_report(folder / "study", out=tmp_path / "again", forms=("svg",))
-    assert contents(tmp_path / "again") == contents(folder / "out")
+def test_same_input_gives_the_same_bytes(tmp_path):
+    study = carnegie_like(tmp_path / "study").folder
+    for name in ("one", "other"):
+        build_report(study, out=tmp_path / name, forms=("svg",))
+    page = (tmp_path / "one" / "index.html").read_text("utf-8")
+    assert page.count("<figure>") == page.count('role="img"') == 9
+    assert contents(tmp_path / "one") == contents(tmp_path / "other")
 
 
 @pytest.mark.slow

@@ -153,11 +153,11 @@ def _sheet(name: str, session: int, total: int, **where: object) -> list[dict[st
     ]  # fmt: skip
 
 
-def carnegie_like(folder: Path) -> Study:
-    """Eight people, two sessions with two conditions and scenes each; two of them withdraw."""
+def carnegie_like(folder: Path, people: int = 8) -> Study:
+    """Some people, two sessions with two conditions and scenes each; the fifth and eighth leave."""
     study = Study(folder)
     study.describe("carnegie_2015", dof_off="No blur", dof_on="Blur")
-    for i in range(8):
+    for i in range(people):
         name, off_first = f"P{i + 1:02d}", i % 2 == 0
         one, two = ("dof_off", "dof_on") if off_first else ("dof_on", "dof_off")
         extra = {"dof_off": 4 + i % 4, "dof_on": 1 + i % 3}
