@@ -96,26 +96,35 @@ def run_in(folder: Path) -> Run:
     return run
 
 
-@pytest.fixture
-def run(tmp_path: Path, recorded: Path) -> Run:
-    """Return what goes on with a copy of the study in the test's folder."""
-    return run_in(shutil.copytree(recorded, tmp_path, dirs_exist_ok=True))
-
-
-def test_a_study_of_another_stimulus_goes_on_only_if_told(tmp_path: Path, run: Run) -> None:
-    file = tmp_path / "S" / "sub-P01" / "ses-1" / "manifest.json"
+def test_what_differs_is_named_by_run_status_and_report(tmp_path: Path, recorded: Path) -> None:
+    """Another stimulus has to be asked for besides."""
+    run, study = run_in(shutil.copytree(recorded, tmp_path, dirs_exist_ok=True)), tmp_path / "S"
+    file = study / "sub-P01" / "ses-1" / "manifest.json"
     manifest = json.loads(file.read_text("utf-8"))
     assert manifest["stimulus_version"] == STIMULUS_VERSION
     file.write_text(json.dumps({**manifest, "stimulus_version": 99}), "utf-8")
     with pytest.raises(InputError, match="P01/ses-1 was shown version 99 of the stimulus"):
-        run("P02", "32x40", "10")
-    assert not (tmp_path / "S" / "sub-P02").exists()
-    run("P02", "32x40", "10", "--other-stimulus")
-    second = json.loads((tmp_path / "S/sub-P02/ses-1/manifest.json").read_text("utf-8"))
+        run("P02", "40x48", "20")
+    assert not (study / "sub-P02").exists()
+    told = " ".join(run("P02", "40x48", "20", "--other-stimulus").stderr.split())
+    second = json.loads((study / "sub-P02/ses-1/manifest.json").read_text("utf-8"))
     assert second["stimulus_version"] == STIMULUS_VERSION
-    (found,) = differences_in(tmp_path / "S")
-    versions = f"99 in P01/ses-1; {STIMULUS_VERSION} in P02/ses-1"
-    assert found.startswith(f"sessions differ in the version of the stimulus: {versions}")
+    expected = [
+        f"sessions differ in {fact} in P01/ses-1; {other} in P02/ses-1"
+        for fact, other in (
+            ("the image size of an eye: 32×40", "40×48"),
+            ("the refresh rate: 10 Hz", "20 Hz"),
+            ("the version of the stimulus: 99", f"{STIMULUS_VERSION}"),
+        )
+    ]
+    assert [told.count(each) for each in expected] == [1, 1, 1]
+    assert sorted(status_of(study).differences) == sorted(differences_in(study)) == sorted(expected)
+    shown = " ".join(CliRunner().invoke(app, ["status", str(study)]).stderr.split())
+    assert expected[0] in shown
+    summary = build_report(study, out=tmp_path / "report")
+    page = summary.index.read_text("utf-8")
+    assert set(expected) <= set(summary.warnings)
+    assert all(each[1:] in page for each in expected)  # there with a capital letter
 
 
 def test_a_study_without_sessions_or_versions_goes_on(tmp_path: Path) -> None:
@@ -132,20 +141,6 @@ def test_a_session_that_went_on_elsewhere_is_named_with_both() -> None:
 def test_many_sessions_are_counted() -> None:
     (found,) = differences([FIRST, *(of(f"P{n:02d}", gpu="B") for n in range(2, 9))])
     assert found.endswith("B in P02/ses-1, P03/ses-1, P04/ses-1, P05/ses-1 and 3 more")
-
-
-def test_size_and_rate_are_named_by_run_status_and_report(tmp_path: Path, run: Run) -> None:
-    study = tmp_path / "S"
-    size = "sessions differ in the image size of an eye: 32×40 in P01/ses-1; 40×48 in P02/ses-1"
-    rate = "sessions differ in the refresh rate: 10 Hz in P01/ses-1; 20 Hz in P02/ses-1"
-    told = " ".join(run("P02", "40x48", "20").stderr.split())
-    assert told.count(size) == told.count(rate) == 1
-    assert status_of(study).differences == differences_in(study) == [size, rate]
-    assert size in " ".join(CliRunner().invoke(app, ["status", str(study)]).stderr.split())
-    summary = build_report(study, out=tmp_path / "report")
-    page = summary.index.read_text("utf-8")
-    assert {size, rate} <= set(summary.warnings)
-    assert all(each[1:] in page for each in (size, rate))  # there with a capital letter
 
 
 def test_a_protocol_that_begins_with_a_view_has_a_headset_at_its_start() -> None:

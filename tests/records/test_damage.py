@@ -199,22 +199,27 @@ def test_broken_json_is_told_with_line_and_column(tmp_path, killed):
         (",completed,", ",finished,", "status", "'finished' is no status of a trial"),
     ],
 )
-def test_a_trial_that_the_order_does_not_have_never_counts(tmp_path, old, new, column, says):
-    go(tmp_path, interrupt=(2, 30))
+def test_a_trial_that_the_order_does_not_have_never_counts(
+    tmp_path, killed, old, new, column, says
+):
+    shutil.copytree(killed / "S", tmp_path / "S")
     file = folder(tmp_path) / "trials.csv"
     text = file.read_text()
     file.write_text(text.replace(old, new, 1))
     before = file.read_bytes()
     with pytest.raises(InputError, match=says) as caught:
-        go(tmp_path, resume=True)
+        go(tmp_path, simulated(tmp_path), resume=True)
     assert (caught.value.file, caught.value.line, caught.value.column) == (file, 2, column)
     assert file.read_bytes() == before
 
 
-@pytest.mark.parametrize("time_s", ["inf", "1e300", "nan", "-1.0"])
 @pytest.mark.parametrize(
-    ("name", "column"),
-    [("events", "onset_s"), ("frames", "session_s"), ("questionnaires", "answered_s")],
+    ("name", "column", "time_s"),
+    [
+        *(("events", "onset_s", time_s) for time_s in ("inf", "1e300", "nan", "-1.0")),
+        ("frames", "session_s", "inf"),
+        ("questionnaires", "answered_s", "nan"),
+    ],
 )
 def test_a_time_that_cannot_be_is_refused(tmp_path, killed, name, column, time_s):
     shutil.copytree(killed / "S", tmp_path / "S")

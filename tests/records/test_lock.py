@@ -42,7 +42,7 @@ def test_a_lock_that_a_dead_program_left_locks_nobody_out(tmp_path):
     ],
 )
 def test_a_folder_that_cannot_be_locked_is_told_whoever_asks(tmp_path, monkeypatch, number, told):
-    go(tmp_path)
+    go(tmp_path, exposure_s=1.0)
     before = (tmp_path / "S/participants.csv").read_bytes()
 
     def refuse(*_, **__):

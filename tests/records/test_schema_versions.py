@@ -127,8 +127,13 @@ def test_its_interrupted_session_goes_on_with_the_new_columns(study, vrcomfort):
     assert json.loads((session / "manifest.json").read_text())["schema_version"] == SCHEMA_VERSION
 
 
-@pytest.mark.parametrize("version", [SCHEMA_VERSION + 1, "two", 0, 1.5, None, True])
-@pytest.mark.parametrize("what", ["manifest", "description"])
+@pytest.mark.parametrize(
+    ("what", "version"),
+    [
+        *(("manifest", each) for each in (SCHEMA_VERSION + 1, "two", 0, 1.5, None, True)),
+        *(("description", each) for each in (SCHEMA_VERSION + 1, "two", 0)),
+    ],
+)
 def test_what_a_later_version_wrote_is_refused(study, vrcomfort, capsys, version, what):
     of_session = study / "sub-P02/ses-1/manifest.json"
     file = of_session if what == "manifest" else study / "dataset_description.json"

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 
 import pytest
 
 from tests.session.test_panel import ScriptedScreen, choose
+from tests.support import resume
 from tests.support.operator import Given, ScriptedDesk
-from tests.support.resume import go, rows
+from tests.support.resume import rows
 from tests.support.study import PROTOCOL, Scripted, tiny_protocol
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying import verify_study
@@ -19,6 +21,8 @@ from vrcomfort.respondent.panel_layout import Act
 from vrcomfort.session import NoPictures, StillHeadset
 from vrcomfort.session.dry_run import dry_run
 from vrcomfort.session.operator_control import OperatorControl
+
+go = partial(resume.go, exposure_s=1.0)
 
 BREAKS = "\n[breaks]\nmin_s = 30.0\nmax_s = 100.0\n"
 
@@ -46,13 +50,6 @@ class Lingering(Scripted):
 
 def breaks(tmp_path):
     return [each for each in events(tmp_path, "rest") if each[1].startswith("break")]
-
-
-def test_a_break_lasts_as_long_as_the_participant_wants(tmp_path):
-    go(tmp_path, Lingering(), protocol=resting(tmp_path))
-    assert breaks(tmp_path) == [(pytest.approx(50.0), "break after trial 1; ended by participant")]
-    assert events(tmp_path, "break_too_long") == []
-    assert not verify_study(tmp_path / "S").faults
 
 
 def test_a_break_that_is_too_long_is_told_once_and_goes_on(tmp_path):
@@ -90,7 +87,7 @@ def test_only_the_experimenter_can_skip_the_minimum_and_it_is_recorded(tmp_path)
     assert person.told == []  # the participant was offered nothing before
 
 
-def test_breaks_come_after_the_trials_that_are_named(tmp_path):
+def test_breaks_come_after_named_trials_and_last_as_long_as_the_participant_wants(tmp_path):
     text = PROTOCOL.replace(
         '{ scene = "room.glb", condition = "blur" }]',
         '{ scene = "room.glb", condition = "blur" }, { scene = "room.glb", condition = "plain" }]',
@@ -98,9 +95,9 @@ def test_breaks_come_after_the_trials_that_are_named(tmp_path):
     )
     protocol = tiny_protocol(tmp_path, text + BREAKS + "after_trials = [2]\n")
     go(tmp_path, Lingering(), protocol=protocol)
-    assert [detail for _, detail in breaks(tmp_path)] == [
-        "break after trial 2; ended by participant"
-    ]
+    assert breaks(tmp_path) == [(pytest.approx(50.0), "break after trial 2; ended by participant")]
+    assert events(tmp_path, "break_too_long") == []
+    assert not verify_study(tmp_path / "S").faults
 
 
 def test_an_interrupted_break_goes_on_with_what_is_left_of_it(tmp_path):
@@ -122,7 +119,7 @@ def test_an_interrupted_break_goes_on_with_what_is_left_of_it(tmp_path):
 
 def test_a_break_that_was_over_is_not_held_again(tmp_path):
     protocol = resting(tmp_path)
-    go(tmp_path, Lingering(), protocol=protocol, interrupt=(2, 30))
+    go(tmp_path, Lingering(), protocol=protocol, interrupt=(2, 3))
     go(tmp_path, Lingering(), protocol=protocol, resume=True)
     assert len(breaks(tmp_path)) == 1
 

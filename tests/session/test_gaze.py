@@ -86,16 +86,17 @@ def record(tmp_path, headset):
     return session_folder(tmp_path / "S", "P01", 1)
 
 
-def test_a_headset_without_an_eye_tracker_leaves_no_file(tmp_path):
-    assert not (record(tmp_path, AheadHeadset()) / "gaze.csv").exists()
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """Return the folder of a session with an eye tracker that nobody changes."""
+    return record(tmp_path_factory.mktemp("tracked"), TrackedHeadset())
 
 
 @pytest.mark.smoke
-def test_a_session_writes_one_row_per_frame(tmp_path):
-    folder = record(tmp_path, TrackedHeadset())
-    lines = (folder / "gaze.csv").read_text().splitlines()
+def test_a_session_writes_one_row_per_frame(recorded):
+    lines = (recorded / "gaze.csv").read_text().splitlines()
     assert lines[0] == RECORDED
-    frames, gazes = (read_rows(folder / name) for name in ("frames.csv", "gaze.csv"))
+    frames, gazes = (read_rows(recorded / name) for name in ("frames.csv", "gaze.csv"))
     assert [row["xr_time_ns"] for row in gazes] == [row["xr_time_ns"] for row in frames]
     assert [row["session_s"] for row in gazes] == [row["session_s"] for row in frames]
     blink, first = gazes[4], gazes[0]
@@ -104,9 +105,8 @@ def test_a_session_writes_one_row_per_frame(tmp_path):
     assert float(first["direction_z"]) == pytest.approx(-np.cos(0.05))
 
 
-def test_playing_a_session_back_gives_its_gaze(tmp_path):
-    folder = record(tmp_path, TrackedHeadset())
-    trace = read_trace(folder / "frames.csv").only_trial("1")
+def test_playing_a_session_back_gives_its_gaze(recorded):
+    trace = read_trace(recorded / "frames.csv").only_trial("1")
     headset = PlaybackHeadset(trace, image_size_px=(4, 4), loop=False)
     played = [each.gaze for each in headset.frames()]
     # Training was index 0 to 9 of the same headset's frames; the exposure goes on after it.
@@ -120,7 +120,9 @@ def test_playing_a_session_back_gives_its_gaze(tmp_path):
 
 
 @pytest.mark.slow
-def test_what_has_no_gaze_is_not_played_back_where_focus_follows_it(tmp_path, monkeypatch, capsys):
+def test_what_has_no_gaze_is_not_played_back_where_focus_follows_it(
+    recorded, tmp_path, monkeypatch, capsys
+):
     strict = strict_about_gaze(tmp_path)
     out, walk = tmp_path / "out", data_folder("scenes") / "temple_walk.csv"
     shown = ("--protocol", strict, "--condition", "gaze_19", "--scene", "temple")
@@ -138,10 +140,10 @@ def test_what_has_no_gaze_is_not_played_back_where_focus_follows_it(tmp_path, mo
         assert "what is played back has no gaze; give a frames.csv" in said
         assert not out.exists()
     follows = Condition(name="looks", focus={"method": "gaze"}, depth_of_field={})
-    recorded = read_trace(record(tmp_path, TrackedHeadset()) / "frames.csv")
-    require_recorded_gaze([follows], recorded)
+    trace = read_trace(recorded / "frames.csv")
+    require_recorded_gaze([follows], trace)
     with pytest.raises(InputError, match="in looks, and what is played back has no gaze"):
-        require_recorded_gaze([follows], replace(recorded, gaze=None))
+        require_recorded_gaze([follows], replace(trace, gaze=None))
 
 
 def test_a_window_cannot_show_what_follows_the_gaze(tmp_path, monkeypatch, capsys):

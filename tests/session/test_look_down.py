@@ -135,7 +135,7 @@ def test_whoever_did_not_mean_it_goes_on() -> None:
 def test_looking_down_alone_never_ends_anything() -> None:
     person = Person(LookDown())
     person.headset.look(*DOWN)
-    person.update(120.0)  # no exception: the question stands, and is not answered
+    person.update(20.0)  # no exception: the question stands, and is not answered
 
 
 def test_a_protocol_may_do_without() -> None:

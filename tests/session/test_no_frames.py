@@ -85,7 +85,7 @@ def test_a_task_is_done_without_frames_and_its_rows_are_whole(tmp_path):
         protocol,
         participants=1,
         frames=False,
-        exposure_s=30.0,
+        exposure_s=15.0,
         size_px=(16, 16),
         out=tmp_path / "S",
     )
@@ -108,8 +108,8 @@ def test_a_task_is_done_without_frames_and_its_rows_are_whole(tmp_path):
 def test_heads_of_simulated_eyes_turn_to_what_they_are_to_look_at(tmp_path):
     """So they look closer to the middle of the view the more there is to shoot (Hillaire 2008)."""
     protocol = load_protocol("hillaire_2008_gaze")
-    shown = {"exposure_s": 4.0, "size_px": (16, 16), "out": tmp_path / "S"}
-    simulate_sessions(protocol, participants=1, frames=False, **shown)
+    shown = {"exposure_s": 2.0, "size_px": (16, 16)}
+    simulate_sessions(protocol, participants=1, frames=False, out=tmp_path / "S", **shown)
     frames, gaze = (rows(tmp_path, name) for name in ("frames.csv", "gaze.csv"))
     aside_deg = {"1": [], "3": []}  # navigation, and four opponents
     for frame, look in zip(frames, gaze, strict=True):

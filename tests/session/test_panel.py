@@ -10,11 +10,11 @@ import pytest
 
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import HandInput, Inputs
-from vrcomfort.questionnaire import shipped_instruments
+from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.respondent.base import Exposure, Form, Withdrew
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_input import AWAY_S, DWELL_S, Pointing
-from vrcomfort.respondent.panel_layout import Act
+from vrcomfort.respondent.panel_layout import Act, question_cells
 from vrcomfort.respondent.panel_picture import LOOKED, Page, Picture
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.rehearsal import aim_at
@@ -72,40 +72,34 @@ def choose(act: Act, value: int = 0) -> Callable[[Page], Pointing]:
     return on
 
 
-def ask(*choices: Callable[[Page], Pointing]) -> list[tuple[str, int | None]]:
+def ask(
+    *choices: Callable[[Page], Pointing], instrument: Instrument = SSQ
+) -> list[tuple[str, int | None]]:
     screen = ScriptedScreen(choices)
     heard: list[tuple[str, int | None]] = []
     person = PanelRespondent(screen, watch=screen.watch)
-    person.ask(Form(SSQ, "baseline"), lambda item, value, _: heard.append((item, value)))
+    person.ask(Form(instrument, "baseline"), lambda item, value, _: heard.append((item, value)))
     assert screen.pictures[-1] is None
     return heard
 
 
 @pytest.mark.smoke
 def test_every_item_is_asked_and_answers_can_be_corrected() -> None:
-    answers = [choose(Act.ANSWER, index % 4) for index in range(16)]
-    heard = ask(*answers, choose(Act.CORRECT, 2), choose(Act.ANSWER, 0), choose(Act.CONFIRM))
-    names = [item.name for item in SSQ.items]
-    assert heard[:16] == [(name, index % 4) for index, name in enumerate(names)]
-    assert heard[16:] == [("headache", 0)]
-
-
-def test_back_asks_the_item_before_again() -> None:
+    """By asking the item before again, and in the list at the end; to decline is an answer."""
+    answers = [choose(Act.ANSWER, index % 4) for index in range(1, 15)]
     first = [choose(Act.ANSWER, 3), choose(Act.BACK), choose(Act.ANSWER, 1)]
-    rest = [choose(Act.ANSWER, 0)] * 15
-    heard = ask(*first, *rest, choose(Act.CONFIRM))
-    assert heard[:2] == [("general_discomfort", 3), ("general_discomfort", 1)]
-
-
-def test_rather_not_say_is_an_answer() -> None:
-    heard = ask(choose(Act.DECLINE), *[choose(Act.ANSWER, 0)] * 15, choose(Act.CONFIRM))
-    assert heard[0] == ("general_discomfort", None)
+    last = [choose(Act.CORRECT, 2), choose(Act.ANSWER, 0), choose(Act.CONFIRM)]
+    heard = ask(*first, *answers, choose(Act.DECLINE), *last)
+    names = [item.name for item in SSQ.items]
+    assert heard[:2] == [(names[0], 3), (names[0], 1)]
+    assert heard[2:16] == [(names[index], index % 4) for index in range(1, 15)]
+    assert heard[16:] == [(names[15], None), ("headache", 0)]
 
 
 def test_stopping_is_asked_twice() -> None:
-    on = [choose(Act.STOP), choose(Act.BACK)]
-    answers = [choose(Act.ANSWER, 0)] * 16
-    assert len(ask(*on, *answers, choose(Act.CONFIRM))) == 16
+    assert ask(choose(Act.STOP), choose(Act.BACK), choose(Act.ANSWER), instrument=FMS) == [
+        ("fms", 0)
+    ]
     with pytest.raises(Withdrew):
         ask(choose(Act.STOP), choose(Act.WITHDRAW))
 
@@ -319,46 +313,46 @@ def look(looks: list[tuple[int | None, float]], **more: float) -> tuple[list[int
     return heard, person.now_s
 
 
-def test_two_looks_with_a_look_away_between_them_choose() -> None:
-    heard, took_s = look([(None, 0.1), (1, 2.0), (None, 0.5), (1, 9.0)])
+@pytest.mark.parametrize("dwell_s", [DWELL_S, 0.5])
+def test_two_looks_with_a_look_away_between_them_choose(dwell_s: float) -> None:
+    heard, took_s = look([(None, 0.1), (1, 2.0), (None, 0.5), (1, 9.0)], dwell_s=dwell_s)
     assert heard == [1]
-    assert took_s == pytest.approx(0.1 + 2.0 + 0.5 + AWAY_S + DWELL_S, abs=0.2)
+    assert took_s == pytest.approx(0.1 + 2.0 + 0.5 + AWAY_S + dwell_s, abs=0.2)
+
+
+LONG_S = 3 * (AWAY_S + DWELL_S)
 
 
 def test_a_look_that_was_there_when_the_page_opened_chooses_nothing() -> None:
     """The next question's answers stand where the last one was given."""
     with pytest.raises(IndexError):
-        look([(1, 60.0), (None, 0.5), (1, 2.0), (None, 60.0)])
-    heard, _ = look([(1, 60.0), (None, 0.5), (1, 2.0), (None, 0.5), (1, 9.0)])
+        look([(1, LONG_S), (None, 0.5), (1, 2.0), (None, LONG_S)])
+    heard, _ = look([(1, LONG_S), (None, 0.5), (1, 2.0), (None, 0.5), (1, 9.0)])
     assert heard == [1]
 
 
-def test_one_long_look_and_looks_at_different_cells_choose_nothing() -> None:
-    for looks in ([(None, 0.1), (2, 60.0)], [(None, 0.1), (2, 2.0), (3, 2.0), (2, 2.0), (4, 2.0)]):
+def test_looks_that_are_not_two_at_one_cell_choose_nothing() -> None:
+    """One long look, looks at different cells, and a blink or a slip over the rim within one."""
+    short_s = AWAY_S - 0.1
+    for looks in (
+        [(None, 0.1), (2, LONG_S)],
+        [(None, 0.1), (2, 2.0), (3, 2.0), (2, 2.0), (4, 2.0)],
+        [(None, 0.1), (1, 0.7), (None, short_s), (1, 0.7), (2, short_s), (1, LONG_S)],
+    ):
         with pytest.raises(IndexError):
             look(looks)
-
-
-def test_a_blink_or_a_slip_over_the_rim_is_no_look_away() -> None:
-    looks = [(None, 0.1), (1, 0.7), (None, AWAY_S - 0.1), (1, 0.7), (2, AWAY_S - 0.1), (1, 60.0)]
-    with pytest.raises(IndexError):
-        look(looks)
-
-
-def test_how_long_a_look_rests_is_a_setting() -> None:
-    _, slow_s = look([(None, 0.1), (1, 4.0), (None, 0.5), (1, 9.0)], dwell_s=3.0)
-    _, fast_s = look([(None, 0.1), (1, 4.0), (None, 0.5), (1, 9.0)], dwell_s=0.5)
-    assert slow_s - fast_s == pytest.approx(2.5, abs=0.1)
 
 
 def test_the_panel_shows_how_far_a_look_has_come_and_what_it_has_prepared() -> None:
     screen = ScriptedScreen([])
     person = Looks(screen, [(None, 0.1), (1, 2.0), (None, 0.5), (1, 9.0)])
     seen: list[tuple[float, int]] = []
+    left, top, right, bottom = question_cells(FMS.answers, first=True)[1].box
 
     def show(picture: Picture | None) -> None:
         if picture is not None:
-            seen.append((person.now_s, int((picture == LOOKED).all(axis=2).sum())))
+            cell = picture[top : bottom + 1, left : right + 1]
+            seen.append((person.now_s, int((cell == LOOKED).all(axis=2).sum())))
 
     screen.show = show  # type: ignore[method-assign]
     panel = PanelRespondent(screen, watch=person.watch, now_s=lambda: person.now_s)

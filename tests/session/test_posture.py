@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import pytest
 
+from tests.support import resume
 from tests.support.operator import Given, ScriptedDesk
-from tests.support.resume import folder, go, manifest, rows
+from tests.support.resume import folder, manifest, rows
 from tests.support.study import PROTOCOL, AheadHeadset, Scripted, tiny_protocol
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import AnonymisingOptions, anonymise
@@ -22,6 +24,8 @@ from vrcomfort.session import NoPictures, StillHeadset
 from vrcomfort.session.dry_run import dry_run
 from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.traces.trace import read_trace
+
+go = partial(resume.go, exposure_s=1.0)
 
 SEATED = '\n[posture]\nmode = "seated"\n'
 
@@ -110,7 +114,7 @@ def test_whoever_moves_is_measured_again_and_the_experimenter_is_told(tmp_path):
     assert doubt == "the eyes moved up or down by 0.20 m while they were measured"
     assert doubt in [each.text for each in told if each.step == "notice"]
     trained = sum(row["trial"] == "0" for row in rows(tmp_path, "frames"))
-    assert trained == 3 * 30 + 10  # three times 3 s at 10 Hz, and 1 s of training
+    assert trained == 3 * 30 + 1  # three times 3 s at 10 Hz, and 0.1 s of training
 
 
 def test_a_headset_without_a_floor_is_told(tmp_path):
@@ -150,7 +154,7 @@ def test_a_resumed_session_measures_again_and_keeps_what_was_measured(tmp_path):
     class Stops(Sitting):
         def frames(self):
             for frame in super().frames():
-                if self.passes == 2 and frame.index == 20:
+                if self.passes == 2 and frame.index == 5:
                     raise KeyboardInterrupt
                 yield frame
 

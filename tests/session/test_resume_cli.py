@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -58,9 +59,22 @@ def smoke_of(study: Path) -> Path:
     return study.with_name("smoke.toml")
 
 
+@pytest.fixture(scope="module")
+def begun(tmp_path_factory: pytest.TempPathFactory) -> dict[bool, Path]:
+    """Return studies that nobody changes: whether the session was interrupted → the study."""
+    return {
+        interrupted: begin(
+            tmp_path_factory.mktemp("begun") / "study", "simulated", interrupted=interrupted
+        )
+        for interrupted in (False, True)
+    }
+
+
 @pytest.fixture
-def study(tmp_path: Path) -> Path:
-    return begin(tmp_path / "study", "simulated")
+def study(begun: dict[bool, Path], tmp_path: Path) -> Path:
+    """Return a copy of the study that was interrupted, and of its protocol."""
+    shutil.copytree(begun[True].parent, tmp_path, dirs_exist_ok=True)
+    return tmp_path / "study"
 
 
 def command(
@@ -157,21 +171,24 @@ def test_simulate_goes_on_where_it_was_stopped(study, monkeypatch, capsys):
     assert {file: file.read_bytes() for file in recorded} == recorded
 
 
+SAME = [
+    (["--exposure-s", 0.3], "with exposures of 0.2 s, not 0.3 s;"),
+    ([], "with exposures of 0.2 s, not 0.5 s;"),
+    (["--exposure-s", SHOWN_S, "--size", "20x16"], "with --size 16x16;"),
+    (["--exposure-s", SHOWN_S, "--refresh-hz", 10], "with frames at 20 Hz, not 10 Hz;"),
+    (["--exposure-s", SHOWN_S, "--trace", MOUNTAIN_WALK], "with another head trace;"),
+]
+
+
 @pytest.mark.parametrize(
-    ("others", "words"),
-    [
-        (["--exposure-s", 0.3], "with exposures of 0.2 s, not 0.3 s;"),
-        ([], "with exposures of 0.2 s, not 0.5 s;"),
-        (["--exposure-s", SHOWN_S, "--size", "20x16"], "with --size 16x16;"),
-        (["--exposure-s", SHOWN_S, "--refresh-hz", 10], "with frames at 20 Hz, not 10 Hz;"),
-        (["--exposure-s", SHOWN_S, "--trace", MOUNTAIN_WALK], "with another head trace;"),
-    ],
+    ("interrupted", "others", "words"),
+    [*((False, *each) for each in SAME), (True, *SAME[1]), (True, *SAME[-1])],
 )
-@pytest.mark.parametrize("interrupted", [False, True])
 def test_simulate_goes_on_with_the_same_options_alone(
-    tmp_path, monkeypatch, capsys, interrupted, others, words
+    begun, tmp_path, monkeypatch, capsys, interrupted, others, words
 ):
-    study = begin(tmp_path / "study", "simulated", interrupted=interrupted)
+    shutil.copytree(begun[interrupted].parent, tmp_path, dirs_exist_ok=True)
+    study = tmp_path / "study"
     set_status(study, "P01", "withdrawn")  # nothing is left to simulate of them
     before = {file: file.read_bytes() for file in study.rglob("*") if file.is_file()}
     code, said = call(

@@ -20,7 +20,7 @@ from vrcomfort.report.study_data import read_study, trial_s
 from vrcomfort.seen_time import LIMITED, SEEN, UNSEEN, SeenState, SeenTime
 
 PERIOD_NS = 100_000_000
-PEOPLE = 8
+PEOPLE = 6
 """With two exposures each."""
 FAULTS = (
     "not drawn", "untracked", "off", "hidden", "no frames", "menu", "frozen", "half rate",
@@ -135,14 +135,12 @@ def test_verify_finds_the_same_account_in_the_frames(study):
     assert [str(each) for each in verify_study(study).faults] == []
 
 
-@pytest.mark.parametrize("state", [SeenState.LIVE, SeenState.NOT_DRAWN])
-def test_verify_finds_seconds_that_are_not_those_of_the_frames(study, state):
+def test_verify_finds_seconds_that_are_not_those_of_the_frames(study):
     folder, trials, _ = next(each for each in people(study) if float(each[1][0]["not_drawn_s"]))
     file, text = folder / "trials.csv", (folder / "trials.csv").read_text()
-    cell = trials[0][state.column]
-    other = SeenState.HIDDEN.column
+    cell = trials[0][SeenState.NOT_DRAWN.column]
     moved = text.replace(f",{cell},", f",{float(cell) + 1!r},", 1)
-    assert moved != text, other
+    assert moved != text
     file.write_text(moved)
     try:
         faults = [str(each) for each in verify_study(study).faults]

@@ -4,28 +4,49 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
 from tests.support.session import go, manifest, rows, status
 from tests.support.study import AheadHeadset, LateFocus, Scripted, frame, read_rows, tiny_protocol
 from vrcomfort.errors import InputError
+from vrcomfort.operator_interface import SessionProgress
 from vrcomfort.records import Recorder, session_folder
 from vrcomfort.respondent import SimulatedRespondent
-from vrcomfort.session import VirtualClock
+from vrcomfort.session import RunOutcome, VirtualClock
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.traces.trace import read_trace
 
+SHORTENED = "motion blur: half streaks of up to 40.0 px were shortened to 20.0 px"
+
+
+class Whole(NamedTuple):
+    """A participant's two sessions, and what was told and drawn meanwhile."""
+
+    folder: Path
+    outcome: RunOutcome
+    respondent: Scripted
+    renderer: LateFocus
+    progress: list[SessionProgress]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    folder, respondent, told = tmp_path_factory.mktemp("whole"), Scripted(), []
+    renderer = LateFocus(shortened=(SHORTENED,))
+    outcome = go(folder, respondent, renderer=renderer, progress=told.append)
+    return Whole(folder, outcome, respondent, renderer, told)
+
 
 @pytest.mark.smoke
-def test_a_whole_participant(tmp_path):
-    renderer, respondent = LateFocus(), Scripted()
-    outcome = go(tmp_path, respondent, renderer=renderer)
-    assert (outcome.status, outcome.sessions) == ("completed", (1, 2))
-    assert renderer.begun == [
+def test_a_whole_participant(whole):
+    assert (whole.outcome.status, whole.outcome.sessions) == ("completed", (1, 2))
+    assert whole.renderer.begun == [
         ("scene room.glb", condition) for condition in ("plain", "blur", "blur", "plain")
     ]
-    trials = [*rows(tmp_path, "trials.csv"), *rows(tmp_path, "trials.csv", 2)]
+    trials = [*rows(whole.folder, "trials.csv"), *rows(whole.folder, "trials.csv", 2)]
     assert [(row["session"], row["period"], row["trial"], row["condition"]) for row in trials] == [
         ("1", "1", "1", "plain"),
         ("1", "2", "2", "blur"),
@@ -35,43 +56,40 @@ def test_a_whole_participant(tmp_path):
     assert {(row["status"], row["abort_code"], row["frames"]) for row in trials} == {
         ("completed", "", "100")
     }
-    assert status(tmp_path) == ("completed", "")
-    assert respondent.perceived_s == [10.0] * 4
-    assert manifest(tmp_path)["status"] == "completed"
-    assert manifest(tmp_path)["headset"]["refresh_hz"] == 10.0
+    assert status(whole.folder) == ("completed", "")
+    assert whole.respondent.perceived_s == [10.0] * 4
+    assert manifest(whole.folder)["status"] == "completed"
+    assert manifest(whole.folder)["headset"]["refresh_hz"] == 10.0
+    gaze = session_folder(whole.folder / "S", "P01", 1) / "gaze.csv"
+    assert not gaze.exists()  # without an eye tracker
 
 
-def test_what_a_limit_has_shortened_is_told_once_per_exposure(tmp_path):
-    sentence = "motion blur: half streaks of up to 40.0 px were shortened to 20.0 px"
-    go(tmp_path, Scripted(), renderer=LateFocus(shortened=(sentence,)), sessions=[1])
-    told = [row for row in rows(tmp_path, "events.csv") if row["name"] == "blur_limited"]
-    assert [row["detail"] for row in told] == [sentence]  # one of the two conditions blurs
-    (exposure,) = [
-        row
-        for row in rows(tmp_path, "events.csv")
-        if row["detail"] == "blur in room.glb" and row["name"] == "exposure"
-    ]
-    assert float(told[0]["onset_s"]) >= float(exposure["onset_s"]) + float(exposure["duration_s"])
-    assert f"blur in room.glb: {sentence}" in manifest(tmp_path)["clamps"]
+def test_what_a_limit_has_shortened_is_told_once_per_exposure(whole):
+    events = rows(whole.folder, "events.csv")
+    (told,) = (row for row in events if row["name"] == "blur_limited")
+    assert told["detail"] == SHORTENED  # one of the two conditions blurs
+    (exposure,) = (
+        row for row in events if row["detail"] == "blur in room.glb" and row["name"] == "exposure"
+    )
+    assert float(told["onset_s"]) >= float(exposure["onset_s"]) + float(exposure["duration_s"])
+    assert f"blur in room.glb: {SHORTENED}" in manifest(whole.folder)["clamps"]
 
 
-def test_questionnaires_by_timepoint(tmp_path):
-    go(tmp_path, Scripted(), sessions=[1])
-    found = rows(tmp_path, "questionnaires.csv")
+def test_questionnaires_by_timepoint(whole):
+    found = rows(whole.folder, "questionnaires.csv")
     assert [(row["timepoint"], row["trial"], row["condition"]) for row in found[::16]] == [
         ("baseline", "", ""),
         ("post", "1", "plain"),
         ("post", "2", "blur"),
         ("recovery", "", ""),
     ]
-    first, second = rows(tmp_path, "trials.csv")
+    first, second = rows(whole.folder, "trials.csv")
     assert [float(first[name]) for name in ("start_s", "end_s")] == [33.0, 43.0]
     assert float(second["start_s"]) == 43.0 + 32.0
     assert [row["order"] for row in found[:16]] == [str(n) for n in range(1, 17)]
     assert (found[0]["asked_s"], found[0]["answered_s"]) == ("0.0", "2.0")
     # 32 s baseline, 1 s training, 2 × (10 s exposure + 32 s post), 60 s rest
     assert float(found[-16]["asked_s"]) == pytest.approx(32 + 1 + 2 * 42 + 60)
-    assert status(tmp_path) == ("enrolled", "")
 
 
 def test_every_answer_is_on_the_disk_before_the_next_is_asked(tmp_path, monkeypatch):
@@ -89,15 +107,15 @@ def test_every_answer_is_on_the_disk_before_the_next_is_asked(tmp_path, monkeypa
 
             super().ask(form, then_look)
 
-    go(tmp_path, Watcher(), sessions=[1])
+    go(tmp_path, Watcher(), sessions=[1], exposure_s=1.0)
     assert len(seen) == 64  # four questionnaires
     assert min(seen) >= 1
     assert rows(tmp_path, "events.csv")[1]["detail"] == "baseline ssq general_discomfort: 1"
+    assert status(tmp_path) == ("enrolled", "")  # there is a second session
 
 
-def test_frames_have_their_own_focus_and_time_runs_forwards(tmp_path):
-    go(tmp_path, Scripted(), sessions=[1])
-    frames = rows(tmp_path, "frames.csv")
+def test_frames_have_their_own_focus_and_time_runs_forwards(whole):
+    frames = rows(whole.folder, "frames.csv")
     assert [row["trial"] for row in frames] == ["0"] * 10 + ["1"] * 100 + ["2"] * 100
     plain, blur = frames[10:110], frames[110:]
     assert {row["focus_m"] for row in plain} == {""}
@@ -111,16 +129,14 @@ def test_frames_have_their_own_focus_and_time_runs_forwards(tmp_path):
     assert seconds == sorted(seconds)
 
 
-def test_a_recorded_session_is_a_trace(tmp_path):
-    go(tmp_path, Scripted(), sessions=[1])
-    trace = read_trace(session_folder(tmp_path / "S", "P01", 1) / "frames.csv")
+def test_a_recorded_session_is_a_trace(whole):
+    trace = read_trace(session_folder(whole.folder / "S", "P01", 1) / "frames.csv")
     assert len(trace.time_ns) == 210
     assert trace.cuts.nonzero()[0].tolist() == [0, 10, 110]
 
 
-def test_ratings_are_scheduled_and_answered(tmp_path):
-    go(tmp_path, Scripted(), sessions=[1])
-    first = [row for row in rows(tmp_path, "ratings.csv") if row["trial"] == "1"]
+def test_ratings_are_scheduled_and_answered(whole):
+    first = [row for row in rows(whole.folder, "ratings.csv") if row["trial"] == "1"]
     assert [(float(row["onset_s"]), row["response"], row["missed"]) for row in first] == [
         (pytest.approx(33 + due), "4", "0") for due in (3, 6)
     ]
@@ -128,7 +144,7 @@ def test_ratings_are_scheduled_and_answered(tmp_path):
 
 
 def test_ratings_that_do_not_come_are_missed(tmp_path):
-    go(tmp_path, Scripted(rates=None), sessions=[1])
+    go(tmp_path, Scripted(rates=None), sessions=[1], exposure_s=1.0)
     found = rows(tmp_path, "ratings.csv")
     assert {(row["response"], row["latency_s"], row["missed"]) for row in found} == {("", "", "1")}
     assert len(found) == 4
@@ -158,11 +174,14 @@ def test_a_shortened_exposure_is_recorded_and_felt_in_full(tmp_path):
     assert len(rows(tmp_path, "ratings.csv")) == 4
 
 
-def test_sessions_are_not_repeated(tmp_path):
-    go(tmp_path, Scripted(), sessions=[1])
+def test_sessions_are_not_repeated_and_a_study_keeps_its_seed(tmp_path):
+    go(tmp_path, Scripted(), sessions=[1], exposure_s=1.0, seed=3)
     with pytest.raises(InputError, match="never overwritten"):
         go(tmp_path, Scripted(), sessions=[1])
-    assert go(tmp_path, Scripted()).sessions == (2,)
+    with pytest.raises(InputError, match="begun with seed 3, not 4"):
+        go(tmp_path, Scripted(), seed=4)
+    assert go(tmp_path, Scripted(), exposure_s=1.0).sessions == (2,)
+    assert [manifest(tmp_path, session)["seed"] for session in (1, 2)] == [3, 3]
     with pytest.raises(InputError, match="all 2 sessions of P01 are recorded"):
         go(tmp_path, Scripted())
     with pytest.raises(InputError, match="no session 3; this protocol has 2, and none is left"):
@@ -178,27 +197,18 @@ def test_an_exposure_that_cannot_be_shown_is_refused_before_anything_is_recorded
     assert not (tmp_path / "S").exists()
 
 
-def test_a_study_keeps_its_seed_and_so_everybody_their_order(tmp_path):
-    go(tmp_path, Scripted(), sessions=[1], seed=3)
-    with pytest.raises(InputError, match="begun with seed 3, not 4"):
-        go(tmp_path, Scripted(), sessions=[2], seed=4)
-    go(tmp_path, Scripted(), sessions=[2])
-    assert [manifest(tmp_path, session)["seed"] for session in (1, 2)] == [3, 3]
-
-
 @pytest.mark.smoke
 def test_the_same_seed_gives_the_same_bytes(tmp_path):
     protocol = tiny_protocol(tmp_path)
     for study in ("A", "B"):
         respondent = SimulatedRespondent(protocol.simulation, participant="P01", seed=5)
-        go(tmp_path, respondent, study=study, seed=5)
-    for session in (1, 2):
-        for name in ("trials", "questionnaires", "ratings", "frames", "events"):
-            one, two = (
-                (session_folder(tmp_path / study, "P01", session) / f"{name}.csv").read_bytes()
-                for study in ("A", "B")
-            )
-            assert one == two
+        go(tmp_path, respondent, study=study, seed=5, sessions=[1])
+    for name in ("trials", "questionnaires", "ratings", "frames", "events"):
+        one, two = (
+            (session_folder(tmp_path / study, "P01", 1) / f"{name}.csv").read_bytes()
+            for study in ("A", "B")
+        )
+        assert one == two
 
 
 def test_dropped_frames_are_counted(tmp_path):
@@ -213,14 +223,12 @@ def test_dropped_frames_are_counted(tmp_path):
     assert [row["dropped"] for row in found] == ["0", "0", "0", "1", "0"]
 
 
-def test_progress_is_told(tmp_path):
-    told = []
-    go(tmp_path, Scripted(), sessions=[1], progress=told.append)
-    assert {each.step for each in told} == {
+def test_progress_is_told(whole):
+    assert {each.step for each in whole.progress} == {
         "session", "questionnaire", "training", "exposure", "rest", "end",
     }  # fmt: skip
-    exposure = [each for each in told if each.step == "exposure"]
-    assert (exposure[-1].trial, exposure[-1].condition, exposure[-1].total) == (2, "blur", 10.0)
+    last = [each for each in whole.progress if each.step == "exposure"][-1]
+    assert (last.session, last.trial, last.condition, last.total) == (2, 2, "plain", 10.0)
 
 
 def test_a_jump_in_a_frame_that_is_not_drawn_is_told_with_the_next_one(tmp_path):
@@ -241,7 +249,7 @@ def test_a_jump_in_a_frame_that_is_not_drawn_is_told_with_the_next_one(tmp_path)
             return super().render(frame, scene_time_s)
 
     told = []
-    go(tmp_path, Scripted(), headset=Skips, renderer=Notes())
+    go(tmp_path, Scripted(), headset=Skips, renderer=Notes(), sessions=[1])
     assert (41, True, False) in told
     assert (61, False, True) in told
     assert {index for index, *_ in told} <= {0, 41, 61}

@@ -204,7 +204,7 @@ def test_a_step_says_how_much_of_it_is_done(tmp_path: Path) -> None:
             heard.append((done, total))
             super().come(done, total)
 
-    go(tmp_path, operators=Noting(NoOperator()))
+    go(tmp_path, operators=Noting(NoOperator()), exposure_s=1.0)
     timed = [(done, total) for done, total in heard if total > 0]
     assert len({done for done, _ in timed}) > 2
     assert all(0 <= done <= total for done, total in timed)

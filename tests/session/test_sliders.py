@@ -24,7 +24,7 @@ PROTOCOL = protocol_text(
     '[[sliders]]\nname = "how_bad"\n',
     f"{NOBODY_LEAVES}baseline_sd = 0.0\nrate_per_min = 6.0\ncondition_effects = {{ calm = 0.1 }}\n",
     name="sliding",
-    exposure_s=20.0,
+    exposure_s=10.0,
     conditions=(PLAIN.replace("plain", "calm"), BLUR.replace("blur", "wild")),
 )
 TASK = """
@@ -61,21 +61,19 @@ def study(tmp_path_factory):
 
 
 def test_the_stick_is_the_slider_and_rests_at_the_lowest_answer(tmp_path):
-    script = dict.fromkeys(range(50, 100), pushed(1.0)) | dict.fromkeys(
-        range(100, 150), pushed(-1.0)
-    )
-    found = by_hand(tmp_path, script)
-    assert len(found) == 39  # twice a second, and none at the very end
-    assert found[:9] == [0.0] * 9
-    assert found[10:19] == [20.0] * 9  # the top of FMS
-    assert found[20:] == [0.0] * 19
+    up, down = (dict.fromkeys(range(at, at + 25), pushed(to)) for at, to in ((25, 1.0), (50, -1.0)))
+    found = by_hand(tmp_path, up | down)
+    assert len(found) == 19  # twice a second, and none at the very end
+    assert found[:4] == [0.0] * 4
+    assert found[5:9] == [20.0] * 4  # the top of FMS
+    assert found[10:] == [0.0] * 9
 
 
 def test_a_stick_may_move_the_slider_instead(tmp_path):
     script = dict.fromkeys(range(10, 20), pushed(1.0))
     found = by_hand(tmp_path, script, PROTOCOL.replace('"how_bad"', '"how_bad"\nstick = "rate"'))
     assert found[0] == 0.0
-    assert found[5:] == pytest.approx([4.0] * 34)  # 1 s of the 5 through the range
+    assert found[5:] == pytest.approx([4.0] * 14)  # 1 s of the 5 through the range
 
 
 def test_a_slider_that_is_moved_ticks_at_each_answer_that_it_passes(tmp_path):
@@ -99,15 +97,15 @@ def test_a_slider_that_is_moved_ticks_at_each_answer_that_it_passes(tmp_path):
 
 def test_arrow_keys_go_a_twentieth(tmp_path):
     up, down = (Inputs(keys=KeyInput(arrow=(0, way))) for way in (-1, 1))
-    assert by_hand(tmp_path, {3: up, 4: up, 8: down})[2:] == [1.0] * 37
+    assert by_hand(tmp_path, {3: up, 4: up, 8: down})[2:] == [1.0] * 17
 
 
 def test_samples_come_at_their_rate_with_their_time(study):
     rows = places(study)
-    assert [row["kind"] for row in rows] == ["start", *["sample"] * 39, "end"]
+    assert [row["kind"] for row in rows] == ["start", *["sample"] * 19, "end"]
     onset_s = [float(row["onset_s"]) for row in rows]
     assert onset_s == sorted(onset_s)
-    assert [b - a for a, b in pairwise(onset_s[1:-1])] == pytest.approx([0.5] * 38)
+    assert [b - a for a, b in pairwise(onset_s[1:-1])] == pytest.approx([0.5] * 18)
     assert {(row["instrument"], row["setting"]) for row in rows} == {("fms", "")}
 
 
@@ -127,7 +125,7 @@ def test_simulated_participants_rate_what_they_feel(study, tmp_path):
 def test_measures_are_those_of_the_samples(study):
     read = read_study(study / "S")
     samples = [float(row["value"]) for row in places(study) if row["kind"] == "sample"]
-    expected = {"peak": max(samples), "mean": sum(samples) / 39, "last": samples[-1]}
+    expected = {"peak": max(samples), "mean": sum(samples) / 19, "last": samples[-1]}
     for name, value in expected.items():
         (found,) = (
             v.number
@@ -159,7 +157,7 @@ def test_without_frames_the_same_people_rate_alike(study, tmp_path):
 def test_a_slider_stands_beside_a_task(tmp_path):
     text = PROTOCOL.replace("[[sliders]]", TASK + "[[sliders]]")
     slide(tmp_path, text.replace("scenes", 'task = "shoot"\nscenes'))
-    assert len(places(tmp_path)) == 41
+    assert len(places(tmp_path)) == 21
     assert read_rows(tmp_path / "S/sub-P01/ses-1/tasks.csv")
     assert not verify_study(tmp_path / "S").faults
 
@@ -174,7 +172,7 @@ def test_verify_and_anonymise_know_it(study, tmp_path):
 def test_the_report_draws_its_courses(study, tmp_path):
     build_report(study / "S", out=tmp_path / "report")
     page = (tmp_path / "report/index.html").read_text(encoding="utf-8")
-    assert "156 ratings" in page  # 39 in each of four exposures
+    assert "76 ratings" in page  # 19 in each of four exposures
 
 
 @pytest.mark.slow

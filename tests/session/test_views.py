@@ -96,8 +96,13 @@ def shown(tmp_path, **more):
     return read_rows(folder / "trials.csv"), read_rows(folder / "frames.csv"), led
 
 
-def test_a_trial_is_as_long_as_its_view_and_begins_where_that_says(tmp_path):
-    trials, frames, led = shown(tmp_path)
+@pytest.fixture(scope="module")
+def ridden(tmp_path_factory):
+    return shown(tmp_path_factory.mktemp("ridden"))
+
+
+def test_a_trial_is_as_long_as_its_view_and_begins_where_that_says(ridden):
+    trials, frames, led = ridden
     lasted = [float(row["end_s"]) - float(row["start_s"]) for row in trials]
     assert lasted == [pytest.approx(2.0), pytest.approx(6.0)]
     assert [row["scene"] for row in trials] == ["corner", "ride"]
@@ -118,8 +123,8 @@ def test_a_shortened_study_shortens_what_is_longer_and_keeps_the_pace_of_paths(t
     assert float(ride[-1]["avatar_z_m"]) == pytest.approx(-3.9, abs=0.1)
 
 
-def test_frames_along_a_path_are_where_the_path_is_at_their_time(tmp_path):
-    _, frames, _ = shown(tmp_path)
+def test_frames_along_a_path_are_where_the_path_is_at_their_time(ridden):
+    _, frames, _ = ridden
     ride = [row for row in frames if row["trial"] == "2"]
     points = [
         PathPoint(time_s=t, position=p)

@@ -87,7 +87,7 @@ def test_a_jump_of_poses_uses_up_no_exposure(tmp_path: Path):
 
 
 def test_an_undoing_is_told_once(tmp_path: Path):
-    go(tmp_path, Scripted(withdraw_at_s=2.0))
+    go(tmp_path, Scripted(withdraw_at_s=2.0), exposure_s=1.0)
     undo_withdrawal(tmp_path / "S", "P01", "a slip")
     file = folder(tmp_path) / "manifest.json"
     content = json.loads(file.read_text())

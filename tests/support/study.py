@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -75,6 +76,7 @@ def read_rows(file: Path) -> list[dict[str, str]]:
     return list(table.dicts())
 
 
+@cache
 def frame(index: int, *, period_ns: int = 100_000_000, time_ns: int | None = None) -> Frame:
     view = View(Pose(np.array([0.03, 1.6, 0.1 * index])), Fov(-0.8, 0.7, 0.9, -0.9))
     time_ns = index * period_ns if time_ns is None else time_ns

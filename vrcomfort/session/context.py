@@ -19,6 +19,7 @@ from vrcomfort.operator_interface import (
 from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.protocol.timeline import WHOLE_SESSION, TrialPlace
 from vrcomfort.records import Durability, EventRow, Machine, Recorder
+from vrcomfort.records.rows import Row
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.clock import Clock, VirtualClock
 from vrcomfort.session.interfaces import HeadsetFor, LoadScene, NoOutlet, Outlet, Renderer
@@ -140,12 +141,22 @@ class EventLog:
     session: int
     recorder: Recorder
 
-    def event(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
-        """Write an event that ends now; without a start it is a moment."""
+    def event(
+        self,
+        name: str,
+        start_s: float | None = None,
+        *,
+        detail: str = "",
+        after: tuple[Row, ...] = (),
+    ) -> None:
+        """Write an event that ends now; without a start it is a moment.
+
+        The disk is waited for once, for the event and the rows that come before it.
+        """
         self.report_file_changes()
         row = self._event(name, start_s, detail)
         self.context.outlet.mark(row)
-        self.recorder.write(row)
+        self.recorder.write(*after, row)
 
     def note(self, happened: HeadsetEvent) -> None:
         """Write a headset event between two frames; show the operator the urgent ones."""

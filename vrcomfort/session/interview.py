@@ -115,14 +115,14 @@ class Interview:
         answered_s = self._context.clock.now_s()
         row = self._row(item, response, answered_s, round(max(answered_s - took_s, 0.0), 9))
         before = self._rows.get(item)
-        if before is None:
-            self._events.recorder.write(row)
-        else:
-            self._events.recorder.replace(before, row)
-        self._rows[item] = row
         said = "rather not say" if response is None else response
         detail = f"{self._ask.timepoint} {self._ask.instrument} {item}: {said}"
-        self._events.event("answer", detail=detail)
+        if before is None:
+            self._events.event("answer", detail=detail, after=(row,))
+        else:
+            self._events.recorder.replace(before, row)
+            self._events.event("answer", detail=detail)
+        self._rows[item] = row
         self._tell()
         self._context.operators.look()
 
