@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.exchange import cell
+from tests.support.report import HEAD, ONE_SCORE
 from tests.support.resume import go
 from vrcomfort.exchange.verifying import verify_study
 
@@ -16,27 +17,23 @@ BAD = "sub-P01/ses-2"
 
 
 @pytest.fixture(scope="module")
-def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a study in which one cell of a session has been changed; no test changes it."""
     place = tmp_path_factory.mktemp("flagged")
     for name in ("P01", "P02"):
-        go(place, participant=name, sessions=[1, 2])
+        go(place, participant=name, sessions=[1, 2], exposure_s=1.0)
+    cell(place / "S" / BAD / "trials.csv", 2, "session", "9")
     return place / "S"
 
 
-@pytest.fixture
-def study(recorded: Path, tmp_path: Path) -> Path:
-    """Return a study in which one cell of a session has been changed."""
-    folder = shutil.copytree(recorded, tmp_path / "S")
-    cell(folder / BAD / "trials.csv", 2, "session", "9")
-    return folder
-
-
 def commands(study: Path, out: Path) -> dict[str, tuple[object, ...]]:
+    plan = out / "plan.toml"
+    plan.write_text(HEAD + ONE_SCORE)
     return {
         "bids": ("export", study, "--format", "bids", "--out", out / "bids"),
         "psych-ds": ("export", study, "--format", "psych-ds", "--out", out / "psych-ds"),
         "copy": ("anonymise", study, "--out", out / "copy", "--seed", "3"),
-        "report": ("report", study, "--out", out / "report", "--figures", "none"),
+        "report": ("report", study, "--plan", plan, "--out", out / "report", "--figures", "none"),
     }
 
 
@@ -79,20 +76,20 @@ def test_a_session_with_faults_is_accepted_and_that_is_recorded(run, study, tmp_
         assert f"accepted as it is: {BAD}/trials.csv, line 2: session is 9" in said(folder)
 
 
-@pytest.mark.parametrize("name", ["bids", "psych-ds", "copy"])
-def test_a_session_whose_manifest_is_lost_can_be_left_out(run, study, tmp_path, name):
-    (study / BAD / "manifest.json").write_text("{")
-    words = commands(study, tmp_path)[name]
-    code, _, err = run(*words)
-    assert code == 2
-    assert "--without P07/ses-2 leaves a session out" in err
-    assert run(*words, "--without", "P01/ses-2")[0] == 0
+def test_a_session_whose_manifest_is_lost_can_be_left_out(run, study, tmp_path):
+    folder = shutil.copytree(study, tmp_path / "S")
+    (folder / BAD / "manifest.json").write_text("{")
+    words = commands(folder, tmp_path)
+    for name in ("bids", "psych-ds", "copy"):
+        code, _, err = run(*words[name])
+        assert code == 2
+        assert "--without P07/ses-2 leaves a session out" in err
+        assert run(*words[name], "--without", "P01/ses-2")[0] == 0
 
 
-@pytest.mark.parametrize("name", ["bids", "psych-ds", "copy", "report"])
-def test_what_names_no_session_is_refused(run, study, tmp_path, name):
-    words = commands(study, tmp_path)[name]
-    for text, told in (("P01", "names no session"), ("P01/ses-7", "has no such session")):
-        code, _, err = run(*words, "--without", text)
-        assert (code, err.count("\n")) == (2, 1), err
-        assert told in err
+def test_what_names_no_session_is_refused(run, study, tmp_path):
+    for words in commands(study, tmp_path).values():
+        for text, told in (("P01", "names no session"), ("P01/ses-7", "has no such session")):
+            code, _, err = run(*words, "--without", text)
+            assert (code, err.count("\n")) == (2, 1), err
+            assert told in err
