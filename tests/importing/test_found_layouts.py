@@ -210,3 +210,22 @@ def test_names_in_sheets_are_people_where_statistics_stand_in_other_sheets(tmp_p
     imported = imported_from(*files)
     assert {*imported.conditions} == {"Fan", "Split"}
     assert len(imported.participants) == 5
+
+
+def test_knowledge_before_and_after_is_of_two_moments_and_of_no_condition(tmp_path: Path) -> None:
+    """No word tells conditions apart, and what all know after the exposure is kept."""
+    codes = ["att_1", "att_1", "att_2", "not_sec_1", "not_sec_2", "not_sec_3"]
+    pre, post = ([f"{when}_{code}" for code in codes] for when in ("pre", "post"))
+    head = [*pre, *post[1:], "post_ease1", "post_ease2", "points"]
+    rows = [[*[(n // 3 + k) % 2 for k in range(6)], 1] for n in range(12)]
+    rows = [
+        [*row, *[(n + k // 2) % 2 for k in range(4)], 1 + n % 5, 5 - n % 4, n - 1]
+        for n, row in enumerate(rows)
+    ]
+    rows[4][6:-1] = [0, 0, 1, 0, 1, "", ""]  # the only one who does not know, and rates nothing
+    found = suggest_mapping([write(tmp_path / "x.csv", [head, *rows])])
+    assert found.imported is not None
+    assert {*found.imported.conditions} == {"all"}
+    assert {when for *_, when in answers(found.imported, "not_sec_3")} == {"baseline", "post"}
+    assert [*answers(found.imported, "att_1").values()].count(1) > len(rows)
+    assert any("'-1' among numbers stand for no answer" in doubt for doubt in found.doubts)

@@ -44,9 +44,10 @@ def _without_factor(
     found = [*questions]
     for said, own in groups.items():
         alike = [other for other in groups.values() if other.keys() == own.keys()]
-        rest = {word for text, _ in own for word in tokens(text)}
+        asked = {text for text, _ in own}  # at two moments, one question is still one
+        rest = {word for text in asked for word in tokens(text)}
         asks = rest & asking or (len(said) > 1 and all(each.how != "name" for each in own.values()))
-        if min(len(alike), len(own)) < _FEWEST or {*said} & (asking | _MEANS) or not asks:
+        if min(len(alike), len(asked)) < _FEWEST or {*said} & (asking | _MEANS) or not asks:
             continue  # a single question told apart by a word is several questions
         for (text, context), each in own.items():
             new = (*context, *said) if start == 0 else (*said, *context)

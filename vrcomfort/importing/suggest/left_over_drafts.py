@@ -50,6 +50,9 @@ def with_left_over(draft: TableDraft, known: Known, *, alone: bool) -> TableDraf
     if not left and not own:
         return draft
     whole = TableDraft(draft.tables, known, left)
+    if len(whole.table.rows) > len(draft.table.rows):  # which may tell other columns apart
+        left = left | whole.left
+        whole = TableDraft(draft.tables, known, left)
     if own := [*own, *whole.once_a_person()]:
         rest = {column: each for column, each in left.items() if column not in own}
         whole = TableDraft(draft.tables, known, rest, of_person=own)

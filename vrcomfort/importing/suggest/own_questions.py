@@ -65,6 +65,8 @@ _REPEATED = re.compile(r" \(\d+\)$")
 _NUMBER_OF_ITEM = re.compile(r"(?<=[^\d])\d+$")
 _MOST_MEANT, _ROUNDED = 12, 0.051
 """Questions of a mean at most, and how far it may be rounded."""
+_FEWEST_FAR = 10
+"""Codes for no answer that no number on a usual scale is, as -1 may be."""
 _FIRST_PERSON = frozenset(["i", "me", "my", "ich", "mich", "mir", "je", "yo"])
 _CLOCK = frozenset(["t", "time", "zeit"])
 _ENDS_OF_CODE = re.compile(r"_(-?\d)_(\d{1,3})$")
@@ -236,7 +238,7 @@ class OwnQuestions:
             return once
         for size in range(1, len(bare) // 2 + 1):
             runs = [bare[start : start + size] for start in range(0, len(bare), size)]
-            if all(run == runs[0] for run in runs):
+            if all(run == runs[0] for run in runs) and len({*runs[0]}) > 1:
                 break
         else:
             return sorted([*once, *questions], key=lambda each: each.column)
@@ -571,7 +573,7 @@ def draft_own(
     asked = [ask_about(found.instrument, [*ruled.values()], ruled)] if ruled else []
     missing = draft.values.get("missing")
     said = missing if isinstance(missing, list) else []
-    remarks = [text for text in said if number(text, ".") is None]
+    remarks = [t for t in said if (v := number(t, ".")) is None or abs(v) < _FEWEST_FAR]
     remarks = [text for text in remarks if not is_missing(text, known.vocabulary)]
     return draft, [*asked, *ask_of_left(found, headings, remarks)]
 
