@@ -9,17 +9,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.support.report import ITEMS, build_report, write_csv
+from tests.support.report import ITEMS, analysed, planned_report, write_csv
 from vrcomfort.errors import InputError
-from vrcomfort.report.plan_files import load_plan, read_plan
-from vrcomfort.report.results import analyse
-from vrcomfort.report.rows import as_json
-from vrcomfort.report.study_data import read_study
 from vrcomfort.stats.ordinal import ordinal_model
 
-PLAN = """name = "items"
-title = "Single items"
-outcomes = ["T"]
+PLAN = """outcomes = ["T"]
 mixed_model = []
 anova = []
 [[ordinal]]
@@ -52,15 +46,10 @@ def answered(folder: Path, *, scenes: tuple[str, ...] = ("hall", "garden")) -> P
     return folder
 
 
-def results_of(folder: Path, text: str = PLAN) -> dict:
-    study = read_study(folder)
-    return as_json(analyse(study, read_plan(text, None))[0])
-
-
 @pytest.mark.slow
 def test_an_item_of_conditions_and_scenes_has_their_odds_ratios(tmp_path):
     folder = answered(tmp_path / "study")
-    (row,) = results_of(folder)["ordinal"]
+    (row,) = analysed(folder, PLAN)["ordinal"]
     asked = pd.read_csv(folder / "questionnaires.csv")
     expected = ordinal_model(
         asked[asked["item"] == "nausea"], value="response", participant="participant",
@@ -89,7 +78,7 @@ def test_a_group_is_a_factor_and_everybody_answers_once(tmp_path):
     ]
     write_csv(folder / "participants.csv", tuple(people[0]), people)
     text = PLAN.replace('["condition", "scene"]', '["group"]')
-    (row,) = results_of(folder, text)["ordinal"]
+    (row,) = analysed(folder, text)["ordinal"]
     assert list(row["terms"]) == ["group: b − a"]
     assert (row["participant_sd"], row["n_participants"]) == (None, 12)
 
@@ -102,10 +91,9 @@ def test_a_group_is_a_factor_and_everybody_answers_once(tmp_path):
     ],
 )
 def test_what_a_plan_may_not_name_is_told_with_its_place(tmp_path, right, wrong, said):
-    folder, plan = answered(tmp_path / "study"), tmp_path / "plan.toml"
-    plan.write_text(PLAN.replace(right, wrong))
+    folder = answered(tmp_path / "study")
     with pytest.raises(InputError, match=said):
-        analyse(read_study(folder), load_plan(plan))
+        analysed(folder, PLAN.replace(right, wrong))
 
 
 def test_many_different_values_are_no_ordered_answers(tmp_path):
@@ -115,16 +103,14 @@ def test_many_different_values_are_no_ordered_answers(tmp_path):
     ]
     write_csv(folder / "tasks.csv", tuple(rows[0]), rows)
     text = PLAN.replace('["T"]', '["T", "tasks.time"]').replace('"nausea"', '"tasks.time"')
-    (row,) = results_of(folder, text)["ordinal"]
+    (row,) = analysed(folder, text)["ordinal"]
     assert row["not_tested"].startswith("it takes 40 different values")
 
 
 @pytest.mark.slow
 def test_the_page_says_odds_ratios_and_their_check(tmp_path):
     folder = answered(tmp_path / "study")
-    plan = tmp_path / "plan.toml"
-    plan.write_text(PLAN)
-    made = build_report(folder, plan=plan, out=tmp_path / "report")
+    made = planned_report(folder, out=tmp_path / "report", lines=PLAN)
     page, results = made.index.read_text(), json.loads(made.results.read_text())
     (row,) = results["ordinal"]
     odds = next(iter(row["terms"].values()))

@@ -24,6 +24,7 @@ from tests.support.report import (
     answers,
     build_report,
     carnegie_like,
+    contents,
     foreign,
     manifest,
     planned_report,
@@ -75,10 +76,6 @@ PRE_POST = {f"P{i}": {"baseline": i % 3, "post": 2 + i} for i in range(8)}
 
 
 # --- Derived, and passed back -------------------------------------------------------------------
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from tests.support.report import (
     answers,
     build_report,
     carnegie_like,
+    contents,
     foreign,
     manifest,
     planned_report,
@@ -24,10 +25,6 @@ from tests.support.study import Scripted
 from vrcomfort.questionnaire import score, score_file, shipped_instruments
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.stats.signed_rank import signed_rank
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
 
 def total_raw(total: int) -> int:

@@ -1,19 +1,14 @@
 """Reports written into a folder that holds an earlier one, or somebody's own files."""
 
 import json
-from pathlib import Path
 
 import pytest
 
-from tests.support.report import build_report, carnegie_like, foreign
+from tests.support.report import build_report, carnegie_like, contents, foreign
 from vrcomfort.errors import InputError
 from vrcomfort.report.writing import write_report
 
 SCORES = {f"P{i}": {"x": 3 + i, "y": 2 + i // 2} for i in range(4)}
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
 
 def results_json(*names: str) -> str:

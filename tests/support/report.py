@@ -48,6 +48,10 @@ def analysed(source: Path, lines: str | None = None) -> dict[str, Any]:
     return found
 
 
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
 def results_of(summary: ReportSummary) -> dict[str, Any]:
     found: dict[str, Any] = json.loads(summary.results.read_text("utf-8"))
     return found
