@@ -171,10 +171,13 @@ def test_times_and_counters_of_an_experiment_library_are_no_ratings(tmp_path: Pa
     assert [*dict.fromkeys(found.imported.conditions)] == [*CONDITIONS]
 
 
+OWNER = "flies a machine of this kind at least once a week"
+
+
 def people_and_answers(folder: Path, *more: Sequence[object]) -> list[Path]:
     """Write answers, and a table of people with their experience in words, and some more rows."""
     answers = [[p, c, *answers] for (p, c, _), answers in ANSWERS.items()]
-    rows = [[p, 20 + n, ("East", "West")[n % 2], "owner"] for n, p in enumerate(PEOPLE)]
+    rows = [[p, 20 + n, ("East", "West")[n % 2], OWNER] for n, p in enumerate(PEOPLE)]
     rows[0][3] = rows[1][3] = "pilot"
     return [
         write(folder / "ssq.csv", [["ID", "Condition", *ENGLISH], *answers]),
@@ -191,7 +194,7 @@ def test_words_of_people_are_facts_of_theirs_and_asked_about(tmp_path: Path) -> 
 
 
 def test_a_code_that_stands_twice_in_a_table_of_people_is_asked_about(tmp_path: Path) -> None:
-    found = suggest_mapping(people_and_answers(tmp_path, ["P01", 20, "East", "owner"]))
+    found = suggest_mapping(people_and_answers(tmp_path, ["P01", 20, "East", OWNER]))
     assert found.imported is not None
     assert found.imported.participants["P02"] == {"age": "21", "culture": "West"}
     assert "P01 has several rows in people.csv: is it one person?" in found.doubts[0]

@@ -23,6 +23,7 @@ from vrcomfort.importing.suggest.block_conditions import before_exposures
 from vrcomfort.importing.suggest.draft import (
     LEFT,
     LOST,
+    PEOPLE,
     SAME_PERSON,
     SCORE_KIND,
     STAYED,
@@ -32,7 +33,6 @@ from vrcomfort.importing.suggest.draft import (
     placed_in_short,
 )
 from vrcomfort.importing.suggest.evidence import (
-    LONGEST_CONDITION,
     Context,
     few_texts,
     is_numeric,
@@ -52,6 +52,7 @@ from vrcomfort.importing.suggest.said_by_headings import OF_WHAT_WAS_USED, SaidB
 from vrcomfort.importing.suggest.scores import FoundScores, by_kind
 from vrcomfort.importing.suggest.vocabulary import OUTCOME, Known, covariate_name, free_name, tokens
 from vrcomfort.questionnaire import Instrument, plain
+from vrcomfort.settings import toml_value
 
 
 def _stands_among(column: int, some: Collection[int], others: Collection[int]) -> bool:
@@ -356,18 +357,23 @@ class TableDraft(SaidByHeadings):
             self._asked_again(exposures.context.participant)
 
     def _asked_again(self, column: int) -> None:
-        """Take ``5(2)`` beside ``5`` for the second time of one person, and ask."""
+        """Ask whether ``5(2)`` is ``5`` again: it is where condition or moment tell rows apart."""
         people = texts(self.table, column)
         again = {
             code: code[: -len(mark[0])].strip() for code in people if (mark := _AGAIN.search(code))
         }
         if not again or not {*again.values()} <= {*people}:
             return
-        self.draft.put("participant", {"column": self.table.headings[column], "values": again})
-        self.draft.put("trial", {"count": True}, "exposures in the order of the rows")
+        values = {"column": self.table.headings[column], "values": again}
+        assumed, stake = f"it is not; else participant = {toml_value(values)}", SAME_PERSON
+        facts = (self.draft.values.get(name) for name in ("condition", "timepoint"))
+        if any(isinstance(fact, dict) and "column" in fact for fact in facts):
+            self.draft.put("participant", values)
+            self.draft.put("trial", {"count": True}, "exposures in the order of the rows")
+            assumed, stake = "it is; exposures are numbered", PEOPLE
         code, person = next(iter(again.items()))
         question = f"Is {code!r} participant {person!r} at another time?"
-        self.doubts.append(OpenDoubt(question, "it is; exposures are numbered", SAME_PERSON))
+        self.doubts.append(OpenDoubt(question, assumed, stake))
 
     @property
     def known(self) -> bool:
@@ -389,10 +395,9 @@ class TableDraft(SaidByHeadings):
         return [who for who, count in counts.items() if who and count > 1]
 
     def words_of_people(self) -> list[int]:
-        """Return the columns that nothing knows, and that say one of a few short texts."""
+        """Return the columns that nothing knows, and that say one of a few texts."""
         columns = [c for c in self._roles.unknown if few_texts(self.table, c)]
-        columns = [c for c in columns if not is_numeric(self.table, c)]
-        return [c for c in columns if max(map(len, texts(self.table, c))) <= LONGEST_CONDITION]
+        return [c for c in columns if not is_numeric(self.table, c)]
 
     def of_other_rows(self) -> list[int]:
         """Return the columns of numbers of people that only rows without answers hold.
