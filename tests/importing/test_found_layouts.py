@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.importing.test_own_questions import answers, imported_from
+from tests.importing.test_wordings import STATEMENTS
 from tests.support.layouts import ENGLISH, PEOPLE, write
 from vrcomfort.importing.suggest import suggest_mapping
 
@@ -229,3 +230,21 @@ def test_knowledge_before_and_after_is_of_two_moments_and_of_no_condition(tmp_pa
     assert {when for *_, when in answers(found.imported, "not_sec_3")} == {"baseline", "post"}
     assert [*answers(found.imported, "att_1").values()].count(1) > len(rows)
     assert any("'-1' among numbers stand for no answer" in doubt for doubt in found.doubts)
+
+
+def test_a_third_row_of_headings_and_recoded_answers_beside_are_no_answers(tmp_path: Path) -> None:
+    raw = [[1 + (3 * n + k * k) % 5 for k in range(10)] for n in range(10)]
+    recoded = [[5 - v if k % 2 else v - 1 for k, v in enumerate(row)] for row in raw]
+    rows = [
+        ["As answered", *[""] * 9, "", "Computed", *[""] * 9, "", "Sums", ""],
+        [*STATEMENTS, "", *STATEMENTS, "", "odd", "even"],
+        [f"The same of our game, {k % 11}" if k % 11 < 10 else "" for k in range(24)],
+        *(
+            [*one, "", *two, "", sum(two[::2]), sum(two[1::2])]
+            for one, two in zip(raw, recoded, strict=True)
+        ),
+    ]
+    found = suggest_mapping([write(tmp_path / "SUS.csv", rows)])
+    assert found.imported is not None
+    assert [*answers(found.imported, "sus_2").values()] == [row[1] for row in raw]
+    assert any("row 3 say the headings in other words" in doubt for doubt in found.doubts)

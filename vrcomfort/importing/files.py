@@ -301,7 +301,10 @@ def _labels(grid: Grid, reading: Reading, width: int) -> list[str]:
 
 
 def _detected(grid: Grid) -> Reading:
-    """Return which rows are headings: none, or one, below up to two that span several columns."""
+    """Return which rows are headings: none, or one, below up to two that span several columns.
+
+    Titles above and labels below are skipped.
+    """
     rows, numbers = grid.rows, grid.numbers
     reading = grid.reading
     if grid.named:
@@ -315,14 +318,13 @@ def _detected(grid: Grid) -> Reading:
     first = _first_of_the_table(rows)
     titles = tuple(numbers[:first])
     rest = rows[first:]
-    if upper := _upper_headings(rest):
-        several = tuple(numbers[first : first + upper + 1])
-        return reading._replace(heading_rows=several, skip_rows=titles)
+    upper = _upper_headings(rest)
     aside = reading.transpose and bool(rest[0][0]) and not is_number(rest[0][0])
-    if not aside and not is_heading(rest):  # times in front are headings, once on their side
+    if not upper and not aside and not is_heading(rest):  # times in front, once on their side
         return reading._replace(heading_rows=(), skip_rows=titles)
-    below = tuple(numbers[first + 1 : first + 2]) if _labels_below(rest) else ()
-    return reading._replace(heading_rows=(numbers[first],), skip_rows=(*titles, *below))
+    last = first + upper + 1
+    below = tuple(numbers[last : last + 1]) if _labels_below(rest[upper:]) else ()
+    return reading._replace(heading_rows=tuple(numbers[first:last]), skip_rows=(*titles, *below))
 
 
 def _labels_below(rows: Sequence[Sequence[str]]) -> bool:

@@ -201,16 +201,41 @@ def _said_in_words(table: SourceTable, blocks: Sequence[Found]) -> list[int]:
     for columns in ends.values():
         worded = {column - 1 for column in columns if not is_numeric(table, column - 1)}
         known = any({*block.columns} <= worded for block in blocks)
-        if known and all(_says_again(table, column) for column in columns):
+        if known and all(_says_again(table, column, column - 1) for column in columns):
             return columns
     return []
 
 
-def _says_again(table: SourceTable, column: int) -> bool:
-    """Return whether numbers stand for the texts of the column before them, one to one."""
-    pairs = {(row[column - 1], row[column]) for row in table.rows}
+def _says_again(table: SourceTable, column: int, other: int) -> bool:
+    """Return whether numbers stand for the texts of another column, one to one."""
+    pairs = {(row[other], row[column]) for row in table.rows}
     one_to_one = len(dict(pairs)) == len(pairs) == len({b for _, b in pairs})
     return one_to_one and all(map(is_number, texts(table, column)))
+
+
+def _recoded(table: SourceTable, blocks: Sequence[Found]) -> list[Found]:
+    """Return blocks that say the answers of others in numbers beside the scale: 0 to 4 for 1 to 5.
+
+    In fewer rows, answers of two conditions may go together by chance.
+    """
+    again = [b for b in blocks if any(_is_recoded(table, b, other) for other in blocks)]
+    return again if len(table.rows) >= _FEWEST_ROWS else []
+
+
+_FEWEST_ROWS = 8
+
+
+def _is_recoded(table: SourceTable, block: Found, other: Found) -> bool:
+    if block.instrument != other.instrument or block.items.keys() != other.items.keys():
+        return False
+    columns = [(named.column, other.items[item].column) for item, named in block.items.items()]
+    beside = _beside_scale(table, block) > _beside_scale(table, other)
+    return beside and all(_says_again(table, *pair) for pair in columns)
+
+
+def _beside_scale(table: SourceTable, block: Found) -> int:
+    low, high = block.instrument.low, block.instrument.high
+    return sum(not low <= v <= high for c in block.columns for v in values_of(table, c))
 
 
 def _turned(table: SourceTable, blocks: Sequence[Found]) -> list[Found]:
@@ -265,6 +290,7 @@ def without_made(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[Foun
         (A_WEIGHT, _weights),
         ("the same answers, by their order", _repeated),
         ("an answer the other way round", _turned),
+        ("the same answers, recoded", _recoded),
     ):
         made = find(table, blocks)
         columns |= {column: what for block in made for column in block.columns}
