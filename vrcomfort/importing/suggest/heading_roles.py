@@ -110,7 +110,7 @@ PREFERENCES = frozenset(["best", "worst", "like", "dislike", "prefer", "preferre
 def _label_inside(text: str, vocabulary: LabVocabulary) -> list[str]:
     """Return the role of a label in a heading of a language that is written without spaces."""
     key = plain(text)
-    if len(key) > _LONGEST_UNSPACED:
+    if len(key) > _LONGEST_UNSPACED or not UNSPACED.search(key):
         return []
     inside = [label for label in vocabulary.roles if label in key and UNSPACED.search(label)]
     return [vocabulary.roles[max(inside, key=len)]] if inside else []

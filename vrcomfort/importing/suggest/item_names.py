@@ -137,10 +137,19 @@ _WORDED, _AMBIGUOUS = 0.5, 0.6
 """Share of a sentence's words, weighed, that a heading has; that of the next item at most."""
 
 
-def _near(words: Sequence[str], vocabulary: LabVocabulary, instrument: Instrument) -> _Span | None:
+@lru_cache(maxsize=256)
+def _by_first_letter(
+    vocabulary: LabVocabulary, instrument: Instrument
+) -> dict[str, list[tuple[str, str]]]:
+    """Return first letter → (spelling, item) of an instrument."""
     known: dict[str, list[tuple[str, str]]] = {}
     for spelling, item in vocabulary.spellings(instrument).items():
         known.setdefault(spelling[0], []).append((spelling, item))
+    return known
+
+
+def _near(words: Sequence[str], vocabulary: LabVocabulary, instrument: Instrument) -> _Span | None:
+    known = _by_first_letter(vocabulary, instrument)
     best: tuple[float, _Span] | None = None
     for start, end, key in _windows(tuple(words)):
         # Short words resemble each other by chance; a number behind a name is not part of it.
@@ -181,9 +190,15 @@ def _abbreviated(words: Sequence[str], _: LabVocabulary, instrument: Instrument)
     return None
 
 
+@lru_cache(maxsize=1024)
+def _parts(name: str) -> tuple[str, ...]:
+    """Return the words of an item's name that an abbreviation may have."""
+    return tuple(word for word in name.split("_") if word != "of")
+
+
 def _abbreviates(part: Sequence[str], name: str) -> bool:
     """Return whether words are beginnings of words of a name, in order and from the first."""
-    full = [word for word in name.split("_") if word not in {"of"}]
+    full = _parts(name)
     if not full[0].startswith(part[0]):
         return False
     place = 0
@@ -198,7 +213,7 @@ def _abbreviates(part: Sequence[str], name: str) -> bool:
 
 def _is_glued(word: str, name: str) -> bool:
     """Return whether a word is the beginnings of the first two words of a name: ``gendisc``."""
-    first, *rest = [part for part in name.split("_") if part not in {"of"}]
+    first, *rest = _parts(name)
     return bool(rest) and any(
         first.startswith(word[:place]) and rest[0].startswith(word[place:])
         for place in range(3, len(word) - 2)
