@@ -553,7 +553,7 @@ def test_items_the_other_way_round_are_no_second_questionnaire(tmp_path: Path) -
     assert suggested.imported is not None, suggested.doubts
     given_answers = [[*r.answers.values()] for r in suggested.imported.responses.values()]
     assert given_answers == [row[1:15] for row in rows[1:]]
-    assert "ipq_SP2_r: an answer the other way round" in suggested.text
+    assert "ipq_SP2_r: the same answers, recoded" in suggested.text
 
 
 def test_rows_of_a_log_between_ratings_are_no_missed_ratings(tmp_path: Path) -> None:

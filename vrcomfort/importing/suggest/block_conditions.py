@@ -29,6 +29,7 @@ from vrcomfort.questionnaire import plain
 
 FARTHEST = 6
 """Columns between a block and the condition beside it."""
+_FEWEST_ROWS = 8
 Counted: TypeAlias = Literal["trial", "session", "period"]
 _COUNTED: tuple[Counted, ...] = ("trial", "session", "period")
 
@@ -208,54 +209,33 @@ def _said_in_words(table: SourceTable, blocks: Sequence[Found]) -> list[int]:
 
 def _says_again(table: SourceTable, column: int, other: int) -> bool:
     """Return whether numbers stand for the texts of another column, one to one."""
-    pairs = {(row[other], row[column]) for row in table.rows}
+    pairs = {(row[other], row[column]) for row in table.rows if row[other] and row[column]}
     one_to_one = len(dict(pairs)) == len(pairs) == len({b for _, b in pairs})
     return one_to_one and all(map(is_number, texts(table, column)))
 
 
 def _recoded(table: SourceTable, blocks: Sequence[Found]) -> list[Found]:
-    """Return blocks that say the answers of others in numbers beside the scale: 0 to 4 for 1 to 5.
+    """Return blocks that say the answers of others, or of some items, in other numbers.
 
-    In fewer rows, answers of two conditions may go together by chance.
+    Labs put ``SP2_r``, the highest answer less SP2, beside it, or 0 to 4 beside 1 to 5.
     """
-    again = [b for b in blocks if any(_is_recoded(table, b, other) for other in blocks)]
-    return again if len(table.rows) >= _FEWEST_ROWS else []
-
-
-_FEWEST_ROWS = 8
+    return [b for b in blocks if any(_is_recoded(table, b, other) for other in blocks)]
 
 
 def _is_recoded(table: SourceTable, block: Found, other: Found) -> bool:
-    if block.instrument != other.instrument or block.items.keys() != other.items.keys():
+    if block.instrument != other.instrument or not {*block.items} <= {*other.items}:
         return False
     columns = [(named.column, other.items[item].column) for item, named in block.items.items()]
-    beside = _beside_scale(table, block) > _beside_scale(table, other)
-    return beside and all(_says_again(table, *pair) for pair in columns)
+    some = len(block.items) < len(other.items)
+    made = some or _beside_scale(table, block) > _beside_scale(table, other)
+    few = len(table.rows) < _FEWEST_ROWS  # two conditions may go together by chance
+    by_chance = few or all(len(texts(table, column)) <= 2 for column, _ in columns)
+    return made and not by_chance and all(_says_again(table, *pair) for pair in columns)
 
 
 def _beside_scale(table: SourceTable, block: Found) -> int:
     low, high = block.instrument.low, block.instrument.high
     return sum(not low <= v <= high for c in block.columns for v in values_of(table, c))
-
-
-def _turned(table: SourceTable, blocks: Sequence[Found]) -> list[Found]:
-    """Return turned copies of items: labs put ``SP2_r``, the highest answer less SP2, beside it."""
-    return [b for b in blocks if any(_is_turned(table, b, other) for other in blocks)]
-
-
-def _is_turned(table: SourceTable, block: Found, other: Found) -> bool:
-    if block.instrument != other.instrument or not {*block.items} < {*other.items}:
-        return False
-    decimal = table.decimal
-    both = float(block.instrument.low + block.instrument.high)
-    pairs = [
-        (number(row[block.items[item].column], decimal), number(row[named.column], decimal))
-        for row in table.rows
-        for item, named in other.items.items()
-        if item in block.items
-    ]
-    sums = [a + b for a, b in pairs if a is not None and b is not None]
-    return len({a for a, _ in pairs}) > 1 and bool(sums) and all(s == both for s in sums)
 
 
 def _products(table: SourceTable, blocks: Sequence[Found]) -> list[Found]:
@@ -289,7 +269,6 @@ def without_made(table: SourceTable, blocks: Sequence[Found]) -> tuple[list[Foun
         (A_PRODUCT, _products),
         (A_WEIGHT, _weights),
         ("the same answers, by their order", _repeated),
-        ("an answer the other way round", _turned),
         ("the same answers, recoded", _recoded),
     ):
         made = find(table, blocks)
