@@ -220,10 +220,9 @@ def test_knowledge_before_and_after_is_of_two_moments_and_of_no_condition(tmp_pa
     head = [*pre, *post[1:], "post_ease1", "post_ease2", "points"]
     rows = [[*[(n // 3 + k) % 2 for k in range(6)], 1] for n in range(12)]
     rows = [
-        [*row, *[(n + k // 2) % 2 for k in range(4)], 1 + n % 5, 5 - n % 4, n - 1]
-        for n, row in enumerate(rows)
+        [*row, n % 2, (n + 1) % 2, 1, 1, 1 + n % 5, 5 - n % 4, n - 1] for n, row in enumerate(rows)
     ]
-    rows[4][6:-1] = [0, 0, 1, 0, 1, "", ""]  # the only one who does not know, and rates nothing
+    rows[4][6:-1] = [0, 0, 1, 0, 0, "", ""]  # the only one who does not know, and rates nothing
     found = suggest_mapping([write(tmp_path / "x.csv", [head, *rows])])
     assert found.imported is not None
     assert {*found.imported.conditions} == {"all"}

@@ -352,7 +352,7 @@ class OwnQuestions:
         if scale.step < 1 and (among or self._is_mean(column, whole)):
             return True
         beside = [c for c in others if c in self._left]
-        if left is not None and left.measured and self._is_mean(column, beside):
+        if left is not None and left.measured and scale.step < 1 and self._is_mean(column, beside):
             return True
         fillers = self._vocabulary.scale_fillers | self._vocabulary.totals | {"mean", "avg"}
         given = tokens(self._table.headings[column])
