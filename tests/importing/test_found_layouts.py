@@ -35,6 +35,14 @@ def test_questions_that_repeat_under_one_heading_are_of_as_many_conditions(tmp_p
     assert [*third.values()] == [5] * 10  # all gave one answer to it, and it is still there
 
 
+def test_one_question_that_repeats_under_its_heading_is_of_as_many_conditions(
+    tmp_path: Path,
+) -> None:
+    rows = [[20 + n, *[1 + (n * k + k) % 5 for k in range(1, 4)]] for n in range(10)]
+    imported = imported_from(write(tmp_path / "x.csv", [["Age", *EASY[:1] * 3], *rows]))
+    assert {*imported.conditions} == {"1", "2", "3"}
+
+
 def test_codes_before_the_same_numbers_are_conditions_where_a_column_has_their_order(
     tmp_path: Path,
 ) -> None:

@@ -240,7 +240,8 @@ class OwnQuestions:
             return once
         for size in range(1, len(bare) // 2 + 1):
             runs = [bare[start : start + size] for start in range(0, len(bare), size)]
-            if all(run == runs[0] for run in runs) and len({*runs[0]}) > 1:
+            alike = all(run == runs[0] for run in runs)
+            if alike and (len({*runs[0]}) > 1 or questions[0].how != "measure"):
                 break
         else:
             return sorted([*once, *questions], key=lambda each: each.column)
