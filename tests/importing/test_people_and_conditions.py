@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import permutations
 from pathlib import Path
 
 import openpyxl
@@ -17,7 +18,7 @@ ITEMS = ("nausea", "headache", "fatigue", "eyestrain", "sweating", "vertigo")
 Row = list[object]
 
 
-def answers(*seed: int) -> list[object]:
+def answers(*seed: int) -> list[int]:
     return [(sum(seed) * 7 + k * (k + 3)) % 4 for k in range(len(ITEMS))]
 
 
@@ -464,3 +465,42 @@ def test_loops_are_conditions_whatever_their_questions_are_filled_with(tmp_path:
         assert {(m.condition, m.timepoint) for _, m in imported.responses} == {
             ("", "baseline"), ("1", "post"), ("2", "post"), ("3", "post"),
         }  # fmt: skip
+
+
+def test_remarks_beside_blocks_are_no_conditions_and_forms_number_from_the_second_on(
+    tmp_path: Path,
+) -> None:
+    orders = ["walk → fly → jump", "fly → jump → walk", "jump → walk → fly"]
+    remarks = ["nice", "", "too fast", "", "my arms hurt", "nice", ""]
+    said = "How was it?"
+    head = ["Code", "Order of versions", *ITEMS, said]
+    head += [f"{name}{k}" for k in (2, 3) for name in (*ITEMS, said)]
+    rows: list[Row] = [[*head]]
+    for n in range(9):
+        blocks = [[*answers(n, k), remarks[(n + k) % len(remarks)]] for k in range(3)]
+        rows.append([f"P{n + 1}", orders[n % 3], *(cell for block in blocks for cell in block)])
+    found = suggest_mapping([write(tmp_path / "forms.csv", rows)])
+    told = {(m.participant, m.trial): m.condition for _, m in of(found).responses}
+    given = {
+        (f"P{n + 1}", str(k)): condition
+        for n in range(9)
+        for k, condition in enumerate(orders[n % 3].split(" → "), start=1)
+    }
+    assert told == given
+    assert any("Order of versions" in doubt for doubt in found.doubts)
+
+
+def test_the_row_of_texts_below_codes_says_which_column_is_the_person(tmp_path: Path) -> None:
+    """The order in which blocks were drawn is shared by people who differ in the rest."""
+    drawn = [*map("|".join, permutations(["FL_1", "FL_2", "FL_3", "FL_4"]))]
+    often = ["Regularly", "A few times", "Once or twice", "Never"]
+    codes = ["Status", "Q1", "Q4", "FL_12_DO", *(f"Q6_{k}" for k in range(1, 7))]
+    texts = ["Response Type", "Participant number (given by the experimenter)"]
+    texts += ["How often have you used a VR headset before?", "Block Randomizer - Display Order"]
+    rows: list[Row] = [[*codes], [*texts, *(f"How do you feel? - {item}" for item in ITEMS)]]
+    for n, (order, before) in enumerate(zip("ABCDEFFGHIEHGI", "AABCDADCDDBDBB", strict=True)):
+        person = ["IP Address", n + 1, often["ABCD".index(before)], drawn["ABCDEFGHI".index(order)]]
+        felt = ("None", "Slight", "Moderate", "Severe")
+        rows.append([*person, *(felt[answer] for answer in answers(n))])
+    found = suggest_mapping([write(tmp_path / "survey.csv", rows)])
+    assert [*conditions_of(found)] == [str(n) for n in range(1, 15)]

@@ -134,7 +134,10 @@ def conditions_beside(
         before = [block.columns[0] - distance for block in blocks]
         after = [block.columns[-1] + distance for block in blocks]
         for places in (before, after):
-            columns = [c if c in free and _names(table, c, vocabulary) else None for c in places]
+            columns = [
+                c if c in free and _names(table, c, vocabulary) and _is_said(table, c, block) else None
+                for c, block in zip(places, blocks, strict=True)
+            ]
             for first in (columns[0], None):
                 found = [first, *columns[1:]]
                 rest = found if first is not None else found[1:]
@@ -151,6 +154,15 @@ def _names(table: SourceTable, column: int, vocabulary: LabVocabulary) -> bool:
     numbers = all(map(is_number, words))
     when = all(vocabulary.timepoint(word) for word in words)
     return few and not said_no and not numbers and not when
+
+
+def _is_said(table: SourceTable, column: int, block: Found) -> bool:
+    """Return whether nearly all rows with answers of a block have a text: remarks are often blank."""
+    answered = [row for row in table.rows if any(row[c] for c in block.columns)]
+    return sum(bool(row[column]) for row in answered) >= _NEARLY_ALL * len(answered)
+
+
+_NEARLY_ALL = 0.9
 
 
 def _are_alike(table: SourceTable, columns: Sequence[int | None]) -> bool:

@@ -87,7 +87,8 @@ class Context:
     def code_of_rows(self, column: int) -> int | None:
         """Return the column of codes that rows share, crossed with words, where one counts rows."""
         table, open_ = self.table, [*self.roles.unknown, *self.roles.metadata]
-        named = {*tokens(table.headings[column])} & self.vocabulary.fact_words["participant"]
+        said = tokens(f"{table.headings[column]} {table.labels[column]}")
+        named = {*said} & self.vocabulary.fact_words["participant"]
         words = [c for c in open_ if few_texts(table, c) and not is_numeric(table, c)]
         for other in open_ if not named and len(texts(table, column)) == len(table.rows) else ():
             codes = len(texts(table, other))

@@ -124,7 +124,8 @@ class SaidByHeadings(KeptRows):
     def _facts_beside(self) -> list[dict[str, str]]:
         """Return the facts of blocks whose conditions stand in columns beside them."""
         blocks = self._answers[BLOCKS]
-        columns = conditions_beside(self.table, blocks, self._answers.taken, self._vocabulary)
+        closed = self._answers.taken | {*self._roles.metadata}  # answers in own words, dates …
+        columns = conditions_beside(self.table, blocks, closed, self._vocabulary)
         if not columns:
             return []
         facts = self._take_beside(columns, "of the answers beside them")
