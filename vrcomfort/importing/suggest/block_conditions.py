@@ -130,14 +130,16 @@ def conditions_beside(
     if len(blocks) < 2:
         return []
     free = {c for c in range(len(table.headings)) if c not in taken}
+
+    def names(column: int, block: Found) -> bool:
+        return _names(table, column, vocabulary) and _is_said(table, column, block)
+
     for distance in range(1, FARTHEST + 1):
         before = [block.columns[0] - distance for block in blocks]
         after = [block.columns[-1] + distance for block in blocks]
         for places in (before, after):
-            columns = [
-                c if c in free and _names(table, c, vocabulary) and _is_said(table, c, block) else None
-                for c, block in zip(places, blocks, strict=True)
-            ]
+            beside = zip(places, blocks, strict=True)
+            columns = [c if c in free and names(c, block) else None for c, block in beside]
             for first in (columns[0], None):
                 found = [first, *columns[1:]]
                 rest = found if first is not None else found[1:]
@@ -157,7 +159,7 @@ def _names(table: SourceTable, column: int, vocabulary: LabVocabulary) -> bool:
 
 
 def _is_said(table: SourceTable, column: int, block: Found) -> bool:
-    """Return whether nearly all rows with answers of a block have a text: remarks are often blank."""
+    """Return whether nearly all rows with answers have a text: remarks are often blank."""
     answered = [row for row in table.rows if any(row[c] for c in block.columns)]
     return sum(bool(row[column]) for row in answered) >= _NEARLY_ALL * len(answered)
 
