@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -24,15 +22,19 @@ def new(*words: str):
     return CliRunner().invoke(app, ["new", *words])
 
 
+ONE, TWO = ["temple"], ["temple", "mountain"]
+
+
 @pytest.mark.parametrize(
     ("compare", "rating", "scenes"),
-    list(
-        itertools.product(
-            ["depth_of_field", "motion_blur", "both", "each"],
-            ["fms", "misc", "none"],
-            [["temple"], ["temple", "mountain"]],
-        )
-    ),
+    [
+        ("depth_of_field", "fms", ONE),
+        ("motion_blur", "misc", TWO),
+        ("both", "none", ONE),
+        ("both", "misc", TWO),
+        ("each", "fms", TWO),
+        ("each", "none", ONE),
+    ],
 )
 def test_whatever_is_chosen_is_a_protocol_that_balances(tmp_path, compare, rating, scenes):
     file = tmp_path / "study.toml"
@@ -99,7 +101,7 @@ def test_balanced_numbers_are_not_called_unbalanced(tmp_path):
     assert not load_protocol(file).order.unbalanced
 
 
-@pytest.mark.parametrize("minutes", [0.1, 0.4, 0.5, 1, 2.5, 5, 60])
+@pytest.mark.parametrize("minutes", [0.4, 0.5, 2.5, 60])
 def test_ratings_come_at_times_at_which_people_can_answer_them(tmp_path, minutes):
     file = tmp_path / "study.toml"
     told = new(str(file), "--exposure-min", str(minutes), "--rating", "fms", "--yes")
