@@ -301,8 +301,8 @@ def _name_the_rest(
 ) -> None:
     """Ask for the meaning of numbers that stand alone; tell equal administrations apart."""
     first = [f for f in facts if "condition" not in f]
-    said = {f["condition"] for f in facts if "condition" in f}
-    if len(first) == 1 and said == {str(n) for n in range(2, len(facts) + 1)}:
+    others = {f["condition"] for f in facts if "condition" in f}
+    if len(first) == 1 and others == {str(n) for n in range(2, len(facts) + 1)}:
         first[0]["condition"] = "1"  # forms number a question that comes again from the second on
     numbers = [f for f in facts if f.get("condition", "").replace("_", "").isdecimal()]
     if numbers:
