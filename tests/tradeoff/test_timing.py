@@ -112,7 +112,7 @@ def test_percentiles_are_told_where_there_are_frames_enough_for_them(monkeypatch
     monkeypatch.setattr(costs, "P99_ROUNDS", 3)
     few = Scope(size_px=(16, 20), poses=1, rounds=2, methods=("ours 8 samples",))
     timed_methods = []
-    case = Case("depths", 0, "walk", "motion_blur")
+    case = Case("temple", 0, "walk", "motion_blur")
     found = time_case(case, few, lambda: timed_methods.append(1))
     (timed,) = [each for each in found.methods if each.method == "ours 8 samples"]
     assert (len(timed_methods), timed.rounds) == (2, 2)
