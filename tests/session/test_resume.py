@@ -184,7 +184,7 @@ def test_a_killed_program_loses_nothing_but_its_last_rows(tmp_path):
     assert attempts(tmp_path) == [("1", "1", "0", "completed", "")]
     kept = sum(row["trial"] == "2" for row in rows(tmp_path, "frames"))
     assert kept == 57  # the focus of three had not come
-    outcome = go(tmp_path, resume=True)
+    outcome = resume.go(tmp_path, resume=True)
     assert outcome.warnings == ()
     assert attempts(tmp_path)[1:] == [
         ("2", "1", "0", "aborted", "killed"),
