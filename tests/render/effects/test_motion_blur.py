@@ -114,7 +114,18 @@ def test_a_plain_gather_does_not_know_who_hides_whom(ctx):
 
 @pytest.mark.parametrize(
     ("half_velocity_px", "samples"),
-    [(0.4, 2), (0.4, 16), (1.3, 4), (5.0, 2), (5.0, 8), (7.8, 8), (7.8, 16), (11.6, 4), (11.6, 8)],
+    [
+        (0.4, 2),
+        (0.4, 16),
+        (1.3, 4),
+        (5.0, 2),
+        (5.0, 4),
+        (5.0, 8),
+        (7.8, 8),
+        (7.8, 16),
+        (11.6, 4),
+        (11.6, 8),
+    ],
 )
 def test_a_point_is_spread_as_the_twin_says(ctx, half_velocity_px, samples):
     rgb = np.where(columns() == 64, 1.0, 0.0)[..., None].repeat(3, axis=-1)
