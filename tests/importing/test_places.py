@@ -96,6 +96,72 @@ def test_an_order_of_conditions_numbers_them(tmp_path: Path) -> None:
             imported(tmp_path, rows, ORDERED)
 
 
+def test_an_order_numbers_what_is_counted_and_needs_a_number(tmp_path: Path) -> None:
+    items = [i.name for i in shipped_instruments()["ssq"].items]
+    head: list[object] = ["id", "order", *items]
+    rows = [head, ["P1", "BA", *ANSWERS], ["P2", "AB", *ANSWERS], ["P1", "BA", *[0] * 16]]
+    keys = ORDERED.replace("{trial}_", "")
+    found = imported(tmp_path, rows, "trial = { count = true }" + keys)
+    assert [(m.participant, m.trial, m.condition) for _, m in found.responses] == [
+        ("P1", "1", "plain"), ("P2", "1", "blur"), ("P1", "2", "blur"),
+    ]  # fmt: skip
+    with pytest.raises(InputError, match="nothing says `trial`; write trial = "):
+        imported(tmp_path, rows, keys)
+
+
+DRAFTED = """
+participant = { column = "id" }
+ignore = ["q2", "q3 … q5"]
+[[tables.questionnaires]]
+instrument = "own"
+items = { a = "q1", b = "extra" }
+[[tables.questionnaires]]
+instrument = "ssq"
+first_columns = ["q1", "q17"]
+condition = ["blur", "plain"]
+[[instruments]]
+name = "own"
+short = "own"
+title = "Own"
+answers = { low = 0, high = 3 }
+items = [{ name = "a", text = "a" }, { name = "b", text = "b" }]
+"""
+
+
+def test_first_columns_have_their_columns_and_a_condition_each(tmp_path: Path) -> None:
+    rows: list[list[object]] = [
+        ["id", *(f"q{n}" for n in range(1, 33)), "extra"],
+        ["P1", *ANSWERS, *[0] * 16, 3],
+    ]
+    found = imported(tmp_path, rows, DRAFTED)
+    said = {(name, m.condition): r.answers for (name, m), r in found.responses.items()}
+    assert {*said} == {("own", ""), ("ssq", "blur"), ("ssq", "plain")}
+    assert said["own", ""] == {"b": 3}
+    assert [*said["ssq", "blur"].values()] == ANSWERS
+    with pytest.raises(InputError, match="has 3 texts for 2 first_columns"):
+        imported(tmp_path, rows, DRAFTED.replace('"plain"]', '"plain", "c"]'))
+
+
+def test_columns_are_ignored_by_range_by_pattern_or_all_others(tmp_path: Path) -> None:
+    items = [i.name for i in shipped_instruments()["ssq"].items]
+    head: list[object] = ["id", *items, *(f"x{n}" for n in range(4)), "rt_a", "rt_b", "else"]
+    rows = [head, ["P1", *ANSWERS, *range(7)]]
+    rest = 'participant = { column = "id" }\n[[tables.questionnaires]]\ninstrument = "ssq"\n'
+    for ignored in ('"x0 … x3", "rt_*", "else"', '"*"'):
+        assert imported(tmp_path, rows, f"ignore = [{ignored}]\n{rest}").responses
+    with pytest.raises(InputError, match="'rt_a': is neither mapped"):
+        imported(tmp_path, rows, f'ignore = ["x0 … x3", "else"]\n{rest}')
+
+
+def test_numbers_for_items_are_of_the_published_order(tmp_path: Path) -> None:
+    head: list[object] = ["id", *(f"{c}_SSQ{n}" for c in "AB" for n in range(1, 17))]
+    keys = 'participant = { column = "id" }\n[[tables.questionnaires]]\n'
+    keys += 'instrument = "ssq"\nheading = "{condition}_SSQ{item}"\n'
+    found = imported(tmp_path, [head, ["P1", *ANSWERS, *[0] * 16]], keys)
+    first = next(iter(found.responses.values()))
+    assert [*first.answers.values()] == ANSWERS
+
+
 def test_a_pattern_of_file_names_may_lack_words(tmp_path: Path) -> None:
     items: list[object] = [i.name for i in shipped_instruments()["ssq"].items]
     keys = (

@@ -155,3 +155,52 @@ def test_stimuli_that_the_lab_calls_conditions_are_no_scenes(tmp_path: Path) -> 
     words.write_text('[facts]\ncondition.labels = ["video_id"]\n')
     drafted = suggest_mapping([write(tmp_path / "clips.csv", rows)], vocabularies=[words])
     assert 'condition = { column = "video_id" }' in drafted.text
+
+
+def test_what_the_lab_calls_participants_and_conditions_are_all_of_them(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["Session (of ID)", "Room", "Code", "Set", *ENGLISH]]
+    rows += [
+        [1 + n % 2, room, n, "ab"[k], *[(n + k) % 4] * 16]
+        for room in ("x", "y")
+        for n in range(1, 7)
+        for k in (0, 1)
+    ]
+    imported = told(
+        write(tmp_path / "x.csv", rows),
+        '[facts]\nparticipant.labels = ["Room", "Code"]\ncondition.labels = ["Set"]\n'
+        '[ignored]\nlabels = ["Session *"]\n',
+    )
+    assert {"x_1", "y_6"} < {*imported.participants}
+    assert len(imported.participants) == 12
+    assert imported.conditions == ["a", "b"]
+
+
+def test_rows_of_questions_that_the_lab_ignores_are_left_out(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["participant", "condition", "item", "answer"]]
+    asked = ("comfort", "ease of use", "satisfaction")
+    rows += [
+        [p, c, text, 1 + (n * k) % 7]
+        for n, p in enumerate(PEOPLE)
+        for c in CONDITIONS
+        for k, text in enumerate(asked, start=1)
+    ]
+    file = write(tmp_path / "x.csv", rows)
+    assert len(items_of(told(file, "[ignored]\nlabels = []\n"))) == 3
+    assert len(items_of(told(file, '[ignored]\nlabels = ["ease of use"]\n'))) == 2
+
+
+def test_a_label_that_no_column_has_is_told(trials: Path) -> None:
+    own = trials.with_name("words.toml")
+    own.write_text('[people]\nlabels = ["Licence", "Licence no."]\n', encoding="utf-8")
+    doubts = suggest_mapping([trials], vocabularies=[own]).doubts
+    assert any("No column is called 'Licence no.', as words.toml says" in each for each in doubts)
+
+
+def test_doubts_that_differ_in_names_alone_are_asked_once() -> None:
+    draft = stakes.TomlDraft()
+    doubts = [
+        stakes.OpenDoubt(f"Does {name!r} tell exposures apart?", "it does", stakes.ORDER)
+        for name in ("a", "b", "c")
+    ]
+    (asked,) = stakes.write_doubts(draft, doubts)
+    assert asked.question == "Does 'a' tell exposures apart? (And 2 more like it: 'b', 'c'.)"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 
@@ -86,8 +86,9 @@ class Columns:
             self.index(column, "leave_out"): texts_of(texts)
             for column, texts in mapping.leave_out.items()
         }
-        asked = [each for q in mapping.questionnaires if (each := self._without_ignored(q))]
-        self.blocks = [b for each in asked for b in self._blocks(each)]
+        self._placed = self._placed_columns()
+        self._ignored = {i for heading in mapping.ignore for i in self._named(heading)}
+        self.blocks = [b for each in mapping.questionnaires for b in self._blocks(each)]
         self.left_at = self._left_at(mapping.left_at)
         self.scores = [block for each in mapping.scores for block in self._blocks(each)]
         self._suspicious = {
@@ -97,14 +98,25 @@ class Columns:
         }
         self._ignore()
 
-    def _without_ignored(self, source: Questionnaire) -> Questionnaire | None:
-        """Return a lab's own questions without those of ignored columns; None if none is left."""
-        if source.instrument in shipped_instruments():
-            return source
-        lost = [item for item, text in source.items.items() if text in self._mapping.ignore]
-        items = {item: text for item, text in source.items.items() if item not in lost}
-        said = {"items": items, "not_asked": (*source.not_asked, *lost)}
-        return source.model_copy(update=said) if items else None if lost else source
+    def _placed_columns(self) -> set[int]:
+        """Return the indices of answers that are known by their place, from `first_columns` on."""
+        found = set()
+        for each in self._mapping.questionnaires:
+            order = each.item_order or [item.name for item in self._instrument(each).asked]
+            for first in filter(None, map(self._index.get, map(one_line, each.first_columns))):
+                found |= {first + place for place, item in enumerate(order) if item}
+        return found
+
+    def _named(self, text: str) -> Iterable[int]:
+        """Return the indices of the columns of a heading, ``first … last``, or a pattern."""
+        ends = [self._index.get(one_line(each)) for each in (text, *text.split(" … "))]
+        if ends[0] is not None:
+            return [ends[0]]
+        if len(ends) == _HEADING_AND_RANGE and ends[1] is not None and ends[2] is not None:
+            return range(ends[1], ends[2] + 1)
+        pattern = template_pattern(text.replace("*", "{*}"))
+        wild = "*" in text and text != "*"  # another file of the table may have it
+        return [i for i, h in enumerate(self._table.headings) if wild and pattern.fullmatch(h)]
 
     @property
     def of_answers(self) -> tuple[int, ...]:
@@ -143,7 +155,8 @@ class Columns:
         """Return the key of the mapping that a column is used by; nothing if it is ignored."""
         return self._used.get(index, "")
 
-    def _instrument(self, name: str) -> Instrument:
+    def _instrument(self, source: Questionnaire | Scores) -> Instrument:
+        name = source.instrument
         if name not in self._known:
             hint = did_you_mean(name, self._known)
             raise self._table.fault(f"there is no instrument {name!r} in vrcomfort; {hint}")
@@ -175,7 +188,7 @@ class Columns:
         return found
 
     def _blocks(self, source: Questionnaire | Scores) -> list[Block]:
-        instrument = self._instrument(source.instrument)
+        instrument = self._instrument(source)
         where = {
             self.index(column, "where"): texts_of(texts) for column, texts in source.where.items()
         }
@@ -190,6 +203,7 @@ class Columns:
         pieces = self._pieces(source, instrument)
         pattern = re.compile(source.pattern) if source.pattern else template_pattern(source.heading)
         found: dict[tuple[tuple[str, str], ...], dict[int, str]] = {}
+        lost: list[str] = []
         for index, heading in enumerate(self._table.headings):
             match = pattern.fullmatch(heading)
             if match is None:
@@ -197,6 +211,9 @@ class Columns:
             captured = match.groupdict()
             item = self._item(captured.pop("item", None), pieces, instrument)
             if item is None:
+                continue
+            if index in self._placed | self._ignored:
+                lost.append(item)
                 continue
             facts = {name: text for name, text in captured.items() if text is not None}
             columns = found.setdefault(tuple(sorted(facts.items())), {})
@@ -209,12 +226,18 @@ class Columns:
             columns[index] = item
         time = getattr(source, "time", None)
         time_column = self.index(time, "time") if time else None
+        if lost and not found:
+            return []
+        if isinstance(source, Questionnaire) and source.instrument not in shipped_instruments():
+            items = {item: text for item, text in source.items.items() if item not in lost}
+            said = {"items": items, "not_asked": (*source.not_asked, *lost)}
+            source = source.model_copy(update=said)
         self._require_items(source, instrument, found)
         return [
             Block(
                 source,
                 instrument,
-                {**{n: t for n, t in facts if n not in TIMES}, **source.constants},
+                {**{n: t for n, t in facts if n not in TIMES}, **source.constants()},
                 columns,
                 where,
                 time_column=time_column,
@@ -266,7 +289,8 @@ class Columns:
         if not source.item_order:
             self._require_items(source, instrument, {(): columns})
         beside = self._beside(source, number)
-        return Block(source, instrument, source.constants, columns, where, beside=beside)
+        facts = source.constants(number)
+        return Block(source, instrument, facts, columns, where, beside=beside)
 
     def _beside(self, source: Questionnaire | Scores, number: int) -> dict[str, int]:
         """Return fact → index of the column that says it of one of a source's questionnaires."""
@@ -284,7 +308,7 @@ class Columns:
         words = {text: item for text in texts if (item := pieces(text)) is not None}
         time_column = self.index(source.time, "time") if source.time else None
         return Block(
-            source, instrument, source.constants, {}, where,
+            source, instrument, source.constants(), {}, where,
             item_column, response_column, time_column, words,
         )  # fmt: skip
 
@@ -342,15 +366,10 @@ class Columns:
 
     def _ignore(self) -> None:
         """See that every column is said something of."""
-        for heading in self._mapping.ignore:
-            name = one_line(heading)
-            index = self._index.get(name)
-            if index is None:
-                continue  # another file of the table may have it
-            if index in self._used:
-                message = f"is both ignored and taken for {self._used[index]}; keep one"
-                raise self._table.fault(message, column=index)
-            self._used[index] = "ignore"
+        for index in self._ignored:
+            self._used.setdefault(index, "ignore")
+        if "*" in self._mapping.ignore:
+            return
         unsaid = [h for i, h in enumerate(self._table.headings) if i not in self._used]
         if unsaid:
             others = f" (and {', '.join(unsaid[1:])})" if unsaid[1:] else ""
@@ -371,10 +390,15 @@ class _Pieces:
         text = one_line(piece)
         if self._instrument is not None:
             found = self._instrument.item(text)
+            asked = self._instrument.asked
+            if found is None and text.isdecimal() and 0 < int(text) <= len(asked):
+                found = asked[int(text) - 1]  # numbers are of the published order
             return found.name if found else None
         return self._exact.get(text) or self._plain.get(plain(text))
 
 
+_HEADING_AND_RANGE = 3
+"""A text, and its two ends."""
 ALMOST = 0.85
 """Similarity from which a text counts as another one misspelt."""
 
@@ -463,6 +487,11 @@ class RowFacts:
         self._counted = [
             name for name in ("session", "period", "block", "trial") if mapping.fact(name).count
         ]
+
+    @property
+    def order_is_counted(self) -> bool:
+        """Return whether the numbers by which an order gives conditions are counted here."""
+        return self._columns.order is not None and self._mapping.condition.by in self._counted
 
     def key(self, cells: tuple[str, ...]) -> tuple[str, ...] | None:
         """Return the cells that say the facts of a row; None where rows are counted, too."""

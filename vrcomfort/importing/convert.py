@@ -181,20 +181,22 @@ class TableImport:
         found = []
         for block in map(self._all_blocks.__getitem__, blocks):
             facts = {**of_row, **self._renamed(block, row), **self._beside_of(block, cells, row)}
-            facts = dict(self._facts.in_order(facts, cells, row))
+            if not self._facts.order_is_counted:
+                facts = dict(self._facts.in_order(facts, cells, row))
             said_here = tuple(sorted(facts.items()))
             met[block.instrument.name, said_here] += 1
             # Questionnaires of one administration are of one exposure, two of a kind are not.
             same = said_here, met[block.instrument.name, said_here]
             if same not in counted:
                 counted[same] = self._facts.counted(facts, _item_text(block, cells))
-            found.append(self._administration(counted[same], row))
+            numbered = dict(self._facts.in_order(counted[same], cells, row))
+            found.append(self._administration(numbered, row))
         if said is not None:
             self._known_administrations[key] = found
         return found
 
     def _renamed(self, block: Block, row: int) -> dict[str, str]:
-        said = block.source.constants
+        said = block.source.constants()
         return {
             name: text if name in said else self._facts.renamed(name, text, row)
             for name, text in block.facts.items()

@@ -118,25 +118,25 @@ class _Columns(Settings):
     need no ``{item}``. ``{time_s}`` and ``{time_min}`` say when a rating was given."""
     pattern: str = ""
     """A regular expression instead, with named groups: ``(?P<condition>A|B)_(?P<item>.+)``."""
-    participant: str | None = None
-    session: str | None = None
-    period: str | None = None
-    block: str | None = None
-    trial: str | None = None
-    condition: str | None = None
-    scene: str | None = None
-    timepoint: str | None = None
+    participant: Texts | None = None
+    session: Texts | None = None
+    period: Texts | None = None
+    block: Texts | None = None
+    trial: Texts | None = None
+    condition: Texts | None = None
+    scene: Texts | None = None
+    timepoint: Texts | None = None
+    """Each fact is one text, or one for each of several `first_columns`."""
     where: dict[str, Texts] = Field(default_factory=dict)
     """Column → text (or texts) that a row has to have there."""
     beside: dict[str, Texts] = Field(default_factory=dict)
     """Fact → the column that says it of this questionnaire alone, beside its answers; with several
     `first_columns`, one for each."""
 
-    @property
-    def constants(self) -> dict[str, str]:
-        """Return the facts that are said here."""
-        said = {fact: getattr(self, fact) for fact in FACTS}
-        return {fact: text for fact, text in said.items() if text is not None}
+    def constants(self, place: int = 0) -> dict[str, str]:
+        """Return the facts that are said here of one of several questionnaires."""
+        said = {f: texts_of(text) for f in FACTS if (text := getattr(self, f)) is not None}
+        return {fact: texts[place if texts[1:] else 0] for fact, texts in said.items()}
 
 
 class Questionnaire(_Columns, AnswerCoding):
@@ -146,7 +146,8 @@ class Questionnaire(_Columns, AnswerCoding):
     """Item → what stands for ``{item}`` in its heading (in long files: in `item_column`). Without
     any: items by their own names."""
     first_columns: tuple[str, ...] = ()
-    """The columns with the first answer of each administration; the others follow it."""
+    """The columns with the first answer of each administration; the others follow it. No other
+    questionnaire has these columns, and `ignore` does not count for them."""
     item_order: tuple[str, ...] = ()
     """Items in the order of the columns from each of `first_columns` on (without it, the published
     order); ``""`` is a column that is no item. Items that are not here were not asked."""
@@ -221,7 +222,8 @@ class TableMapping(Settings):
     leave_out: dict[str, Texts] = Field(default_factory=dict)
     """Column → texts: rows that have one of them there are no participant's (means, totals)."""
     ignore: tuple[str, ...] = ()
-    """Columns that are not taken; every other one has to be said something of."""
+    """Columns that are not taken; every other one has to be said something of. ``a … b`` are all
+    from one to the other, ``time_*`` all that are so called, and ``*`` all that nothing takes."""
 
     def fact(self, name: str) -> Fact:
         """Return where a fact comes from."""
@@ -447,9 +449,30 @@ def _fact_problems(table: TableMapping, here: tuple[str | int, ...]) -> Iterator
         if fact.order is not None and (name != "condition" or any(ways)):
             message = "`order` is of conditions, and of those that no column says"
             yield Problem((*here, name, "order"), message)
+        if fact.order is not None and not _is_said(table, fact.by):
+            message = (
+                f"`order` needs the number of each questionnaire, and nothing says `{fact.by}`"
+            )
+            hint = f"write {fact.by} = {{ count = true }}, or its column"
+            yield Problem((*here, name, "order"), f"{message}; {hint}")
         if fact.count and name not in {"participant", "session", "period", "block", "trial"}:
             message = f"`{name}` cannot be counted; trial and session can"
             yield Problem((*here, name, "count"), message)
+
+
+def _is_said(table: TableMapping, name: str) -> bool:
+    """Return whether a column, a count, a heading or a name says a fact."""
+    fact = table.fact(name)
+    if fact.column or fact.columns or fact.constant or fact.count:
+        return True
+    sources = (*table.questionnaires, *table.scores)
+    texts = [table.file_name, table.sheet_name, *(each.heading for each in sources)]
+    patterns = [table.file_pattern, *(each.pattern for each in sources)]
+    return (
+        any(name in placeholders(text) for text in texts)
+        or any(f"(?P<{name}>" in pattern for pattern in patterns)
+        or any(name in each.beside or getattr(each, name) is not None for each in sources)
+    )
 
 
 def _problems_of(each: Questionnaire, here: tuple[str | int, ...]) -> Iterator[Problem]:
@@ -471,8 +494,13 @@ def _problems_of(each: Questionnaire, here: tuple[str | int, ...]) -> Iterator[P
 
 
 def _pattern_problems(each: _Columns, here: tuple[str | int, ...]) -> Iterator[Problem]:
+    blocks = len(each.first_columns) if isinstance(each, Questionnaire) else 0
+    for fact in FACTS:
+        said = getattr(each, fact)
+        if said is not None and (count := len(texts_of(said))) not in {1, blocks or 1}:
+            message = f"`{fact}` has {count} texts for {blocks} first_columns"
+            yield Problem((*here, fact), f"{message}; give one for each")
     for fact, columns in each.beside.items():
-        blocks = len(each.first_columns) if isinstance(each, Questionnaire) else 0
         if len(texts_of(columns)) not in {1, blocks}:
             message = f"`{fact}` has {len(texts_of(columns))} columns for {blocks} questionnaires"
             yield Problem((*here, "beside", fact), f"{message}; name one for each")

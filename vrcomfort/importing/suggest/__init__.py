@@ -18,6 +18,7 @@ from vrcomfort.importing.source import Grid, Reading, SourceTable
 from vrcomfort.importing.suggest.codebooks import is_codebook, with_codebooks
 from vrcomfort.importing.suggest.draft import (
     LOST,
+    NO_LABEL,
     REFUSED,
     ROWS,
     OpenDoubt,
@@ -173,6 +174,10 @@ def _suggested(
     doubts += [*ignored, *left_out, *_unanswered(drafts, known)]
     for draft in useful if not left_over else ():
         doubts += ask_to_leave_out(draft.table, dict.fromkeys(draft.left, _REFUSED_WITH))
+    if unused := known.vocabulary.without_use(read):
+        names = listed([*map(repr, unused)], _SHOWN)
+        question = f"No column is called {names}, as words.toml says: is it in other files?"
+        doubts.append(OpenDoubt(question, "it is: nothing is changed by it", NO_LABEL))
     doubts += _ask_of_lost(imported) if imported is not None else ()
     if refusal is not None:
         # The user has the files, and not the lines of a mapping that is not written yet.

@@ -68,6 +68,7 @@ _SHORTER = "a questionnaire would be scored as if it had been shorter"
 
 REFUSED = Stake("nothing is imported", 100, f"{_OUTCOMES}; or {_CONDITION}")
 LOST = Stake("answers would be missing", 92, f"in the mapping: items of those rows; {_OUTCOMES}")
+NO_LABEL = Stake("what it says is not heeded", 94, "in words.toml: the heading as it stands")
 LAYOUT = Stake("every cell would be read as another", 95, "in `read`: transpose = false, or so")
 PEOPLE = Stake("one person's answers would count as another's", 90, _PERSON)
 CODING = Stake("answers would count one too high, or not at all", 88, _CODED)
@@ -200,15 +201,23 @@ def write_doubts(draft: TomlDraft, doubts: Iterable[OpenDoubt]) -> list[OpenDoub
     return asked
 
 
+_NAMED = re.compile(r"'[^']*'|\"[^\"]*\"|`[^`]*`|\d+")
+"""What differs between doubts that are asked as one: names, and numbers."""
+
+
 def _joined(doubts: Iterable[OpenDoubt]) -> list[OpenDoubt]:
     """Return the doubts with those that are alike as one."""
     groups: dict[str, list[OpenDoubt]] = {}
     for doubt in dict.fromkeys(doubts):
-        groups.setdefault(doubt.like or doubt.question, []).append(doubt)
+        alike = (_NAMED.sub("…", doubt.question), _NAMED.sub("…", doubt.assumed), doubt.stake)
+        groups.setdefault(doubt.like or str(alike), []).append(doubt)
     found = []
     for first, *more in groups.values():
         blocks = f"{counted(len(more), 'more blocks')} like it"
-        asked = f"{first.question} (And {blocks}.)" if more and first.like else first.question
+        if more and not first.like:
+            names = [min(_NAMED.findall(doubt.question), default="") for doubt in more]
+            blocks = f"{len(more)} more like it: {listed(names, MOST_ASKED)}"
+        asked = f"{first.question} (And {blocks}.)" if more else first.question
         found.append(first._replace(question=asked))
     return found
 

@@ -174,8 +174,9 @@ class _Facts(People):
                     self._roles.facts[fact].remove(column)
                     self._roles.metadata.append(column)
         people = self._roles.facts["participant"]
+        people = [c for c in people if not self._vocabulary.told(self.heading(c))]
         for column in [c for c in people if says_no_person(self._table, c, self._vocabulary)]:
-            people.remove(column)  # participantCanSeeResults
+            self._roles.facts["participant"].remove(column)  # participantCanSeeResults
             self._roles.metadata.append(column)
 
     def _codes(self) -> None:

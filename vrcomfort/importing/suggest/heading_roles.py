@@ -82,10 +82,6 @@ def _conditions(vocabulary: LabVocabulary) -> Set[str]:
     return vocabulary.fact_words.get("condition", frozenset())
 
 
-def _own_label(text: str, vocabulary: LabVocabulary) -> list[str]:
-    return [role] if (role := vocabulary.told(text)) else []
-
-
 def _fact_word(text: str, vocabulary: LabVocabulary, *, most: int) -> list[str]:
     said = tokens(text)
     words = set(said)
@@ -160,7 +156,6 @@ _ROW_NUMBER = re.compile(
 )
 """What pandas and R call rows, and columns without a name; times and orders of survey programs."""
 HEADINGS: tuple[HeadingEvidence, ...] = (
-    HeadingEvidence("a label of the lab's own vocabulary", 110, _own_label),
     HeadingEvidence("words for an order and for conditions", 105, _order_of_conditions),
     HeadingEvidence(
         "a word for a fact, among at most 3 words", 100, lambda t, v: _fact_word(t, v, most=3)
@@ -216,6 +211,8 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
         if unpacked or (outer and merged[outer] > 1 and role not in {*FACTS, IGNORED}):
             last = key if unpacked else inner  # Hand tracking / SUS: no handedness
             role, weight = _heaviest((last,), vocabulary)
+        told = vocabulary.told(table.headings[column]) or vocabulary.told(label)
+        role, weight = (told, _TOLD) if told else (role, weight)
         if role == OUTCOME:
             roles.outcomes.add(column)
         if role in {"", OUTCOME}:
@@ -241,6 +238,7 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
 
 _MOST_ORDERS = 2
 """More columns of orders than this rank something."""
+_TOLD = 1000
 _OWN_NAME = 100
 """The name of a nested value counts more than that of a record around it."""
 _REMARK = re.compile(r"\s*\([^()]*\)$")
@@ -270,7 +268,7 @@ def _heaviest(said: Sequence[str], vocabulary: LabVocabulary) -> tuple[str, int]
 
 def names_fact(heading: str, fact: str, vocabulary: LabVocabulary) -> bool:
     """Return whether a heading alone says that its column is of a fact."""
-    return _heaviest((heading,), vocabulary)[0] == fact
+    return (vocabulary.told(heading) or _heaviest((heading,), vocabulary)[0]) == fact
 
 
 PERSON_CODE = re.compile(r"(p|s|vp|id|pp|sub|subj|subject|participant|user|proband)[ _-]?\d+", re.I)

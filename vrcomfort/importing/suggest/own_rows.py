@@ -27,7 +27,13 @@ from vrcomfort.importing.suggest.own_instruments import (
 )
 from vrcomfort.importing.suggest.own_questions import ask_about
 from vrcomfort.importing.suggest.questionnaires import Drafted, places_of_rows
-from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, Known, LabVocabulary, tokens
+from vrcomfort.importing.suggest.vocabulary import (
+    FEWEST_OF_SENTENCE,
+    IGNORED,
+    Known,
+    LabVocabulary,
+    tokens,
+)
 from vrcomfort.questionnaire import plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
 
@@ -64,7 +70,7 @@ def own_rows(table: SourceTable, known: Known, found: Sequence[Long]) -> list[Lo
             cells = tuple((row[c],) for row in rows if row[item] == text for c in responses)
             scale = scale_of(replace(table, rows=cells), 0, known.vocabulary, of_seven=seven)
             asks = crossed or not _asks_no_opinion(said.get(text, text), known.vocabulary)
-            if scale is not None and asks:
+            if scale is not None and asks and known.vocabulary.told(text) != IGNORED:
                 scales[text] = scale
         name = "" if group in names else group
         usual = {text for text, scale in scales.items() if scale.usual[:2] in USUAL}

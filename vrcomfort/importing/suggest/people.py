@@ -37,6 +37,12 @@ class People(FactDraft):
 
     def _named_column(self) -> None:
         columns = self._roles.facts.get("participant", [])
+        told = [c for c in columns if self._vocabulary.told(self.heading(c)) == "participant"]
+        if told:
+            self._context.participant = told[-1]
+            if told[1:]:
+                self._join_people(told[-1], told[0])
+            return
         columns = [c for c in columns if len(texts(self._table, c)) > 1] or columns
         columns = [c for c in columns if not self._has_codes(c)] or columns
         if columns:
@@ -87,6 +93,13 @@ class People(FactDraft):
         place = place_of(self._table, people, self._roles, self._answers.taken)
         if place is None:
             return
+        self._join_people(people, place)
+        a, b = self.heading(place), self.heading(people)
+        question = f"Is a code in {b!r} another person in each {a!r}?"
+        self.doubt(question, "it is: codes are counted anew, or age or the like differs", PEOPLE)
+
+    def _join_people(self, people: int, place: int) -> None:
+        """Let two columns together tell people apart."""
         tables = [with_places(table, people, place) for table in self._answers.tables]
         self._answers = replace(self._answers, tables=tables)
         self._table = self._context.table = with_places(self._table, people, place)
@@ -94,8 +107,6 @@ class People(FactDraft):
         self._context.used.add(people)
         names = [self.heading(place), self.heading(people)]
         self.found.draft.put("participant", {"columns": names})
-        question = f"Is a code in {names[1]!r} another person in each {names[0]!r}?"
-        self.doubt(question, "it is: codes are counted anew, or age or the like differs", PEOPLE)
 
     def _numbered_anew(self, column: int) -> None:
         """Ask whether people who have the same codes in several sheets or files are the same."""

@@ -9,6 +9,7 @@ import re
 import unicodedata
 from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase
 from functools import cache, cached_property, lru_cache
 from itertools import chain, count
 from pathlib import Path
@@ -17,6 +18,7 @@ from typing import Any, NamedTuple
 from pydantic import Field
 
 from vrcomfort.files import read_text
+from vrcomfort.importing.source import SourceTable
 from vrcomfort.questionnaire import Instrument, plain
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import KeyPath, Problem, Settings, Word, first_problem, parse_settings
@@ -270,14 +272,16 @@ class LabVocabulary:
         shipped = sorted((data_folder("instruments") / FOLDER).glob("*.toml"))
         files = (*own, *map(read_vocabulary, shipped))
         merged = _merged([file.model_dump() for file in files])
-        self.own_roles = {key: role for file in own[::-1] for role, _, key in _labels(file)}
-        """Label of a lab's own file → role."""
+        self._own_roles = {text: role for file in own[::-1] for role, _, text in _labels(file)}
+        """Label of a lab's own file, or its pattern → role."""
+        self._told = {plain(text): role for text, role in self._own_roles.items()}
         self.conditions = {"_".join(tokens(w)): w for w in merged["conditions"]["words"]}
         """Words that say the condition, as headings are read → as they were written."""
         self.roles = {
             key: role
             for file in files[::-1]
             for role, _, text in _labels(file)
+            if "*" not in text
             for key in sorted(_keys(text))
         }
         """Label → fact, covariate, `IGNORED` or `OUTCOME`."""
@@ -298,8 +302,7 @@ class LabVocabulary:
         self.leaving = tuple(tuple(tokens(label)) for label in merged["leaving"]["labels"])
         """Labels of leaving times, as words."""
         self.leaving_words = _plain_set(merged["leaving"]["words"])
-        long = (merged["long"][key] for key in ("item", "response"))
-        self.item_labels, self.response_labels = map(_plain_set, long)
+        self.item_labels, self.response_labels = map(_plain_set, merged["long"].values())
         rated = (merged["ratings"][key] for key in ("seconds", "words", "units"))
         self.seconds, self.time_words, self.units = map(_plain_set, rated)
         self.numbered = _looked_up(merged["numbered"])
@@ -334,7 +337,23 @@ class LabVocabulary:
 
     def told(self, heading: str) -> str:
         """Return the role that the lab's own files give a heading; blank where they are silent."""
-        return self.own_roles.get(plain(heading), "")
+        if not self._own_roles:
+            return ""
+        key = plain(heading)
+        if key not in self._told:
+            found = (r for text, r in self._own_roles.items() if _is_called(heading, text))
+            self._told[key] = next(found, "")
+        return self._told[key]
+
+    def without_use(self, tables: Sequence[SourceTable]) -> list[str]:
+        """Return the labels of the lab's own files alone that nothing in some tables is called."""
+        if not self._own_roles:
+            return []
+        there = {text for table in tables for text in (*table.headings, *table.labels)}
+        there |= {text for table in tables for words in table.texts for text in words}
+        known = {*map(plain, there), *shipped_vocabulary().roles}
+        own = [text for text in self._own_roles if plain(text) not in known]
+        return [text for text in own if not any(_is_called(each, text) for each in there)]
 
     def spellings(self, instrument: Instrument) -> Mapping[str, str]:
         """Return spelling → item; the instrument's own spellings win."""
@@ -441,21 +460,26 @@ class Known(NamedTuple):
     vocabulary: LabVocabulary
 
 
+def _is_called(heading: str, pattern: str) -> bool:
+    """Return whether a pattern of headings, such as ``time_*``, has this one."""
+    return "*" in pattern and fnmatchcase(heading.casefold(), pattern.casefold())
+
+
 def _labels(file: VocabularyFile) -> Iterator[tuple[str, KeyPath, str]]:
-    """Yield role, key path and `plain` text of each whole heading; the last one of a text wins."""
+    """Yield role, key path and text of each whole heading; the last one of a text wins."""
     for name, labels in reversed(file.covariates.items()):
         for place, text in enumerate(labels.labels):
-            yield name, ("covariates", name, "labels", place), plain(text)
+            yield name, ("covariates", name, "labels", place), text
     for name in reversed(FactLabels.model_fields):
         for place, text in enumerate(getattr(file.facts, name).labels):
-            yield name, ("facts", name, "labels", place), plain(text)
+            yield name, ("facts", name, "labels", place), text
     for key in ("labels", "personal"):
         for place, text in enumerate(getattr(file.ignored, key)):
-            yield IGNORED, ("ignored", key, place), plain(text)
+            yield IGNORED, ("ignored", key, place), text
     for place, text in enumerate(file.people.labels):
-        yield covariate_name(text), ("people", "labels", place), plain(text)
+        yield covariate_name(text), ("people", "labels", place), text
     for place, text in enumerate(file.outcomes.labels):
-        yield OUTCOME, ("outcomes", "labels", place), plain(text)
+        yield OUTCOME, ("outcomes", "labels", place), text
 
 
 def _problems(file: VocabularyFile) -> Iterator[Problem]:
@@ -463,8 +487,8 @@ def _problems(file: VocabularyFile) -> Iterator[Problem]:
         if name in FactLabels.model_fields or name == IGNORED:
             yield Problem(("covariates", name), f"`{name}` is not a covariate; write another name")
     seen: dict[str, str] = {}
-    for role, path, key in reversed([*_labels(file)]):
-        if not key:
+    for role, path, text in reversed([*_labels(file)]):
+        if not (key := plain(text)):
             yield Problem(path, "this label has no letter and no digit; write the heading")
         elif seen.setdefault(key, role) != role:
             message = f"this label is of {role} and of {seen[key]}; keep one"
