@@ -275,3 +275,60 @@ def test_things_ranked_in_words_are_conditions_and_the_order_of_the_words_is_ask
     assert any("order do these ranks stand" in each and order in each for each in found.doubts)
     ranks = answers(found.imported, "rank_them_by_fun")
     assert [ranks[PEOPLE[0], thing, "post"] for thing in things] == [1, 2, 3]
+
+
+def test_columns_that_hold_the_same_films_in_other_orders_say_the_condition(tmp_path: Path) -> None:
+    films = ["461", "779", "880"]
+    head = ["ID", *(h for n in (1, 2, 3) for h in (f"film{n}", f"{n}_end_time", f"{n}_liking"))]
+    rows = [
+        [p, *(v for k in range(3) for v in (films[(n + k) % 3], 20.5 + n + k, 1 + (n + 2 * k) % 5))]
+        for n, p in enumerate(PEOPLE)
+    ]
+    imported = imported_from(write(tmp_path / "x.csv", [head, *rows]))
+    assert {*imported.conditions} == {*films}
+    assert answers(imported, "liking")["P02", "880", "post"] == 1 + (1 + 2) % 5
+
+
+def test_numbered_words_that_no_scale_knows_are_no_symptoms(tmp_path: Path) -> None:
+    head = ["ID", *(f"{n}_liking" for n in range(1, 17)), "How realistic was it?"]
+    rows = [[p, *["aime", "aime_pas"] * 8, 1 + n % 5] for n, p in enumerate(PEOPLE)]
+    imported = imported_from(write(tmp_path / "x.csv", [head, *rows]))
+    assert {instrument for instrument, _ in imported.responses} == {"own_questions"}
+
+
+def test_yes_and_no_to_what_one_felt_are_answers_of_each_file(tmp_path: Path) -> None:
+    files = [
+        write(
+            tmp_path / f"subjective_{name}.csv",
+            [
+                ["Id", f"I felt safe with the {name} feedback", "How realistic?", "How pleasant?"],
+                *[
+                    [n, "Yes" if (n + place) % 3 else "No", 1 + n % 5, 1 + (n + place) % 5]
+                    for n in range(1, 9)
+                ],
+            ],
+        )
+        for place, name in enumerate(("sound", "visual"))
+    ]
+    imported = imported_from(*files)
+    assert {*imported.conditions} == {"sound", "visual"}
+    felt = answers(imported, "i_felt_safe_with_the_visual_feedback")
+    assert felt == {(str(n), "visual", "post"): int((n + 1) % 3 > 0) for n in range(1, 9)}
+
+
+def test_runs_of_headings_under_the_names_of_conditions_stand_above_their_means(
+    tmp_path: Path,
+) -> None:
+    values = {"Rift": [1, 4, 5, 2, 2, 3], "Wall": [3, 3, 1, 4, 5, 5]}
+    head = ["Display", "Realism", "Ease"]
+    rows: list[list[object]] = [
+        [c for name, given in values.items() for c in (name if n < 5 else "", given[n], 1 + n % 5)]
+        for n in range(6)
+    ]
+    means = [sum(given) / 6 for given in values.values()]
+    below = ["", means[0], 2.66666667, "", means[1], 2.66666667]
+    spread = ["", 1.47, 1.5, "", 1.51, 1.5]
+    file = write(tmp_path / "x.csv", [head * 2, *rows, below, spread])
+    imported = imported_from(file)
+    found = answers(imported, "realism")
+    assert {c: [v for (_, d, _), v in found.items() if d == c] for c in values} == values

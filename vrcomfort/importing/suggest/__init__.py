@@ -10,7 +10,14 @@ from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
-from vrcomfort.importing.files import as_table, marked_runs, numbers_in, read_grids, repeated_runs
+from vrcomfort.importing.files import (
+    as_table,
+    is_number,
+    marked_runs,
+    numbers_in,
+    read_grids,
+    repeated_runs,
+)
 from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.sections import sections
@@ -29,6 +36,7 @@ from vrcomfort.importing.suggest.draft import (
 )
 from vrcomfort.importing.suggest.groups_of_files import (
     say_baselines,
+    say_conditions_of_files,
     say_groups,
     say_moments_of_files,
     say_names_of_files,
@@ -48,6 +56,7 @@ from vrcomfort.importing.suggest.same_people import (
     say_same_people,
     without_unnamed_people,
 )
+from vrcomfort.importing.suggest.summary_rows import means_below
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import (
     Known,
@@ -139,7 +148,7 @@ def _suggested(
     groups: dict[tuple[object, ...], list[SourceTable]] = {}
     for table in read:
         rows = None if table.reading.sections else table.reading.heading_rows
-        groups.setdefault((table.headings, rows), []).append(table)
+        groups.setdefault((table.headings, rows, table.reading.skip_rows), []).append(table)
     drafts = joined([TableDraft(tables, known) for tables in groups.values()], known)
     alone = len(drafts) == 1 or all(draft.people is None for draft in drafts)
     if left_over:
@@ -149,6 +158,7 @@ def _suggested(
     say_names_of_files(useful)
     say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)
     say_moments_of_files(useful, known.vocabulary)
+    say_conditions_of_files(useful, known.vocabulary)
     say_baselines(useful)
     say_others(useful)
     top = _top(files, own, useful)
@@ -300,9 +310,23 @@ def _table(grid: Grid, known: Known) -> SourceTable:
         reading = reading._replace(spread=lists)
         table = as_table(replace(grid, reading=reading))
     bare = [re.sub(r" \(\d+\)$|^column \d+$", "", heading) for heading in table.headings]
-    if names_fact(bare[0], "participant", known.vocabulary) and len(repeated_runs(bare)) > 1:
+    named = any(names_fact(heading, "participant", known.vocabulary) for heading in bare)
+    if not named and (below := means_below(table)):
+        reading = table.reading._replace(skip_rows=(*table.reading.skip_rows, *below))
+        table = as_table(replace(grid, reading=reading))
+    starts = repeated_runs(bare)
+    if len(starts) > 1 and (
+        names_fact(bare[0], "participant", known.vocabulary) or _name_runs(table, starts)
+    ):
         return as_table(replace(grid, reading=reading._replace(stack=True)))
     return table
+
+
+def _name_runs(table: SourceTable, starts: Sequence[int]) -> bool:
+    """Return whether the first column of each run of headings has one word, another for each."""
+    said = [{*table.column(start)} - {""} for start in starts]
+    words = {text for each in said for text in each if not is_number(text)}
+    return len(words) == len(said) and all(len(each) == 1 for each in said)
 
 
 def _lists_of_answers(table: SourceTable, known: Known) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.draft import CONDITIONS, TIMEPOINTS, OpenDoubt
 from vrcomfort.importing.suggest.evidence import MOST_CONDITIONS, few_texts, texts
 from vrcomfort.importing.suggest.heading_roles import roles_of
+from vrcomfort.importing.suggest.names_of_files import parts_of_names
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
 
@@ -115,6 +116,42 @@ def say_moments_of_files(drafts: Sequence[TableDraft], vocabulary: LabVocabulary
     question = f"Do the names of the files say the moment ({', '.join(said)})?"
     assumed = ", ".join(f"{stem} is {when}" for stem, when in said.items())
     silent[0][0].doubts.append(OpenDoubt(question, f"they do: {assumed}", TIMEPOINTS))
+
+
+def say_conditions_of_files(drafts: Sequence[TableDraft], vocabulary: LabVocabulary) -> None:
+    """Let files that ask the same people some of the same say the condition by their names; ask."""
+    alone = [d for d in drafts if d.draft.values.get("condition") == _ALL and len(d.files) == 1]
+    alike = [d for d in alone if any(_ask_the_same(d, other) for other in alone if other is not d)]
+    stems = [draft.table.file.stem for draft in alike]
+    parts = parts_of_names(stems, ["condition"], vocabulary) if len(alike) > 1 else None
+    if parts is None or len({*stems}) < len(stems):
+        return
+    for draft in alike:
+        draft.draft.put("file_name", parts.template)
+        del draft.draft.values["condition"]
+        draft.doubts = [d for d in draft.doubts if not d.question.startswith(_ONE)]
+    question = f"Do the names of the files say the condition ({', '.join(stems)})?"
+    assumed = f"they do: {', '.join(parts.texts['condition'])}"
+    alike[0].doubts.append(OpenDoubt(question, assumed, CONDITIONS))
+
+
+def _ask_the_same(one: TableDraft, other: TableDraft) -> bool:
+    """Return whether two drafts have items in common, and people who answer them."""
+    asked = [
+        {
+            (q.values["instrument"], item)
+            for q in draft.draft.lists.get("questionnaires", ())
+            for item in (q.tables["items"].values if "items" in q.tables else ())
+        }
+        for draft in (one, other)
+    ]
+    who = [draft.people for draft in (one, other)]
+    people = [
+        {*texts(draft.table, column)} if column is not None else set()
+        for draft, column in zip((one, other), who, strict=True)
+    ]
+    when = one.draft.values.get("timepoint") == other.draft.values.get("timepoint")
+    return when and len(set.intersection(*asked)) > 1 and bool(set.intersection(*people))
 
 
 def _without_moment(stem: str, vocabulary: LabVocabulary) -> tuple[str, ...]:

@@ -10,7 +10,9 @@ from functools import lru_cache
 from itertools import pairwise, takewhile
 
 from vrcomfort.importing.answers import number
+from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import Grid, SourceTable
+from vrcomfort.importing.suggest.codings import code_of
 from vrcomfort.importing.suggest.evidence import is_identifier
 from vrcomfort.importing.suggest.item_names import WEIGHTS, Named, item_behind_stem
 from vrcomfort.importing.suggest.stems import shared_stems
@@ -490,7 +492,8 @@ def _by_number(
         first = min(columns)
         whole = sorted(columns) == list(range(first, first + count)) and first in {0, 1}
         places = list(columns.values())
-        if whole and _is_named(table, places, instrument) and _fit(table, places, instrument):
+        named = whole and _is_named(table, places, instrument, vocabulary)
+        if named and _fit(table, places, instrument):
             items = {
                 item.name: Named(columns[n], instrument.name, item.name, "number", before, after)
                 for n, item in enumerate(instrument.asked, start=first)
@@ -505,10 +508,15 @@ _FEWEST_UNNAMED = 8
 """Items of an instrument that numbers alone can tell: four columns called 1 to 4 are anything."""
 
 
-def _is_named(table: SourceTable, columns: Sequence[int], instrument: Instrument) -> bool:
+def _is_named(
+    table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: LabVocabulary
+) -> bool:
     """Return whether numbered columns name their instrument, or are many on a scale of its own."""
-    said = named_by_file(table, [instrument], *(table.headings[c] for c in columns))
-    return bool(said) or (len(instrument.asked) >= _FEWEST_UNNAMED and _is_of_severity(instrument))
+    if named_by_file(table, [instrument], *(table.headings[c] for c in columns)):
+        return True
+    cells = {text for column in columns for text in table.column(column)}
+    said = any(is_number(t) or code_of(t, vocabulary) is not None for t in cells)
+    return said and len(instrument.asked) >= _FEWEST_UNNAMED and _is_of_severity(instrument)
 
 
 def _is_of_severity(instrument: Instrument) -> bool:

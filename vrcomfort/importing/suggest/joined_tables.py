@@ -45,6 +45,8 @@ def _together(draft: TableDraft, other: TableDraft, known: Known) -> TableDraft 
     if people[0] == people[1] != people[2]:
         return None  # codes that are one column's in each file, and in both files
     lacking = {*here.headings} ^ {*there.headings}
+    if {each.table.headings[column] for each in (draft, other) for column in each.left} & lacking:
+        return None
     return whole if whole.gives and lacking <= whole.ignored else None
 
 

@@ -30,11 +30,17 @@ from vrcomfort.importing.suggest.evidence import (
     is_numeric,
     texts,
     texts_of_people,
+    varies_within,
 )
 from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.items import Found
 from vrcomfort.importing.suggest.own_instruments import USUAL, AnswerRange, TakenFor
-from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
+from vrcomfort.importing.suggest.vocabulary import (
+    FEWEST_OF_SENTENCE,
+    FIRST_PERSON,
+    LabVocabulary,
+    tokens,
+)
 from vrcomfort.questionnaire import plain
 
 _MOST_OF_RATING, _FEWEST, _SHOWN = 100, 2, 8
@@ -59,8 +65,9 @@ def left_over(
             continue
         reason = "" if told else _reason(context, column)
         reading = reading_of(table, column, context.vocabulary)
-        if told and reading is None and yes_or_no(texts(table, column), context.vocabulary):
-            reading = TakenFor(AnswerRange(0, 1), measured=True)
+        if reading is None and (told or _answers_by_yes(context, column)):
+            flag = yes_or_no(texts(table, column), context.vocabulary)
+            reading = TakenFor(AnswerRange(0, 1), measured=True) if flag else None
         if reading is not None and not reason:
             taken[column] = reading
         elif told:
@@ -68,6 +75,19 @@ def left_over(
         elif is_numeric(table, column):
             reasons[column] = reason or "a number that is too large, or too few of them"
     return taken, reasons
+
+
+def _answers_by_yes(context: Context, column: int) -> bool:
+    """Return whether yes and no in a column are answers: to what one felt, or to each exposure."""
+    felt = in_first_person(context.table.headings[column])
+    who, several = context.participant, len(texts(context.table, column)) > 1
+    return several and (felt or (who is not None and varies_within(context.table, column, who)))
+
+
+def in_first_person(heading: str) -> bool:
+    """Return whether a heading is a sentence such as ``I felt safe there``."""
+    words = tokens(heading)
+    return len(words) >= FEWEST_OF_SENTENCE and bool(FIRST_PERSON & {*words})
 
 
 def _reason(context: Context, column: int) -> str:

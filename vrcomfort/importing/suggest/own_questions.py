@@ -45,7 +45,13 @@ from vrcomfort.importing.suggest.own_instruments import (
 from vrcomfort.importing.suggest.questionnaires import Drafted
 from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating, rises, time_column
 from vrcomfort.importing.suggest.stems import Stem, shared_stems
-from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens, words_of
+from vrcomfort.importing.suggest.vocabulary import (
+    FIRST_PERSON,
+    Known,
+    LabVocabulary,
+    tokens,
+    words_of,
+)
 from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
 
@@ -67,7 +73,6 @@ _MOST_MEANT, _ROUNDED = 12, 0.051
 """Questions of a mean at most, and how far it may be rounded."""
 _FEWEST_FAR = 10
 """Codes for no answer that no number on a usual scale is, as -1 may be."""
-_FIRST_PERSON = frozenset(["i", "me", "my", "ich", "mich", "mir", "je", "yo"])
 _CLOCK = frozenset(["t", "time", "zeit"])
 _ENDS_OF_CODE = re.compile(r"_(-?\d)_(\d{1,3})$")
 
@@ -92,12 +97,15 @@ class OwnQuestions:
         left: Mapping[int, TakenFor],
     ) -> None:
         self._table = table
-        self._left = left
+        numbered = numbered_conditions(table, known.vocabulary)
+        columns = [column for column in columns if column not in numbered.values()]
+        self._left = {c: each for c, each in left.items() if c not in numbered.values()}
         self._columns, self._known = columns, known
         self._vocabulary = known.vocabulary
         self._roles = roles_of(table, columns, known.vocabulary)
         self._apart = {word for context in contexts for word in context}
         self._apart |= {w for name in known.vocabulary.conditions for w in name.split("_")}
+        self._apart |= {*map(str, numbered)}
         self._headings = shared_stems(table.headings)
         self._labels = shared_stems(table.labels)
         items = any(
@@ -117,7 +125,7 @@ class OwnQuestions:
             if (scale := scale_of(table, column, known.vocabulary, of_seven=seven)) is not None
         }
 
-        self._scales |= {c: each.scale for c, each in left.items() if not each.measured}
+        self._scales |= {c: each.scale for c, each in self._left.items() if not each.measured}
         self._ranked = ranks_in_words(table, columns, known.vocabulary)
         self._scales |= {c: AnswerRange(1, len(words)) for c, words in self._ranked.items()}
         self.conditions = self._codes_of_conditions()
@@ -328,7 +336,7 @@ class OwnQuestions:
 
     def _is_free(self, column: int) -> bool:
         """Return whether a sentence has a role by one of its words alone."""
-        if _FIRST_PERSON & {*self._words(column)}:
+        if FIRST_PERSON & {*self._words(column)}:
             return True
         return column not in self._roles.metadata and column not in {
             columns[0] for columns in self._roles.facts.values() if columns
@@ -513,9 +521,9 @@ class OwnQuestions:
         word = words[place]
         if word in self._apart:
             return True
-        if word in self._vocabulary.timepoints:
-            return not self._is_code(word)
         after = words[place + 1] if place + 1 < len(words) else ""
+        if word in self._vocabulary.timepoints:  # a start time is no moment
+            return not self._is_code(word) and word + after not in self._vocabulary.roles
         before = words[place - 1] if place else ""
         numbered = self._vocabulary.numbered
         return (word in numbered and after.isdecimal()) or (word.isdecimal() and before in numbered)

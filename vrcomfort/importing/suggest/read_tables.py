@@ -49,10 +49,7 @@ def draft_reading(tables: Sequence[SourceTable]) -> tuple[TomlDraft, list[OpenDo
         values["heading_rows"] = list(read.heading_rows or ())
     if read.skip_rows and not read.sections:
         values["skip_rows"] = list(read.skip_rows)
-        labels = [n for n in read.skip_rows if n > max(read.heading_rows or (n,))]
-        if len(labels) == 1 and any(first.labels):
-            question = f"Does row {labels[0]} say the headings in other words?"
-            asked.append((question, "it does, and is no answer"))
+        asked += _of_skipped(first)
     for key, words in _WAYS.items():
         if getattr(read, key):
             values[key] = True
@@ -67,3 +64,18 @@ def draft_reading(tables: Sequence[SourceTable]) -> tuple[TomlDraft, list[OpenDo
         question = f"{first.file.name} seems to have no headings: is its first row data?"
         asked.append((question, "it is; columns are called column 1, column 2 …"))
     return draft, [OpenDoubt(question, assumed, LAYOUT) for question, assumed in asked]
+
+
+def _of_skipped(table: SourceTable) -> list[tuple[str, str]]:
+    """Return what to ask of rows that are not read, and what is assumed."""
+    heading, data = max(table.reading.heading_rows or (table.numbers[0],)), table.numbers[0]
+    labels = [n for n in table.reading.skip_rows if heading < n < data]
+    below = [n for n in table.reading.skip_rows if n > data]
+    asked = []
+    if len(labels) == 1 and any(table.labels):
+        question = f"Does row {labels[0]} say the headings in other words?"
+        asked.append((question, "it does, and is no answer"))
+    if below:
+        question = f"Are rows from {below[0]} on means, and no person's?"
+        asked.append((question, "they are: the first is the mean of those above"))
+    return asked

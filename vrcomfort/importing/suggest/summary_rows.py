@@ -8,7 +8,9 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Sequence
+from statistics import fmean
 
+from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.evidence import texts
 from vrcomfort.importing.suggest.heading_roles import inner_names, names_fact
@@ -47,6 +49,32 @@ def total_rows(table: SourceTable, column: int, totals: Collection[str]) -> list
     ]
     found = found if len(cells) >= 2 * len(found) else []
     return found + _between_codes(cells)
+
+
+def means_below(table: SourceTable) -> tuple[int, ...]:
+    """Return the numbers of the last rows, from one on that has no name, but the others' means."""
+    for place in range(max(len(table.rows) - _MOST_BELOW, _FEWEST_PEOPLE), len(table.rows)):
+        cells = [(c, text) for c, text in enumerate(table.rows[place]) if text]
+        found = [number(text, table.decimal) for _, text in cells]
+        exact = all(value is None or value.is_integer() for value in found)
+        if len(cells) < 2 or None in found or exact:
+            continue
+        if all(_is_mean(table, place, column, text) for column, text in cells):
+            return table.numbers[place:]
+    return ()
+
+
+_MOST_BELOW = 8
+"""Rows of mean, SD, n, minimum and maximum."""
+
+
+def _is_mean(table: SourceTable, place: int, column: int, text: str) -> bool:
+    """Return whether a number is the mean of those above it, as it is rounded."""
+    above = [number(row[column], table.decimal) for row in table.rows[:place] if row[column]]
+    values = [value for value in above if value is not None]
+    digits = len(re.split(r"[.,]", text)[-1]) if re.search(r"[.,]", text) else 0
+    value = number(text, table.decimal) or 0.0
+    return len(values) > 1 and abs(value - fmean(values)) < 0.6 * 10.0**-digits + 1e-9
 
 
 def notes_below(table: SourceTable, column: int) -> list[str]:

@@ -44,7 +44,7 @@ from vrcomfort.importing.suggest.facts import draft_facts
 from vrcomfort.importing.suggest.heading_facts import template_of
 from vrcomfort.importing.suggest.heading_roles import inner_names, is_personal
 from vrcomfort.importing.suggest.items import FoundAnswers
-from vrcomfort.importing.suggest.left_over import ask_to_leave_out, left_over
+from vrcomfort.importing.suggest.left_over import ask_to_leave_out, in_first_person, left_over
 from vrcomfort.importing.suggest.own_instruments import TakenFor
 from vrcomfort.importing.suggest.own_questions import ask_about
 from vrcomfort.importing.suggest.questionnaires import leftovers, sum_of
@@ -464,6 +464,7 @@ class TableDraft(SaidByHeadings):
             column
             for column in self._roles.metadata
             if {*tokens(self.table.headings[column])} & self._vocabulary.measures
+            or in_first_person(self.table.headings[column])
         ]
         sums = self._vocabulary.totals | self._vocabulary.scale_fillers
         return [

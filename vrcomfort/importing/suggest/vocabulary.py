@@ -37,6 +37,7 @@ _CAPITALS = re.compile(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 """Where a word begins inside ``preSSQ`` and ``SSQNausea``."""
 
 
+FIRST_PERSON = frozenset(["i", "me", "my", "ich", "mich", "mir", "je", "yo"])
 FEWEST_OF_SENTENCE = 4
 """Words of a heading, or of an item, that is taken for a sentence."""
 
