@@ -332,3 +332,42 @@ def test_runs_of_headings_under_the_names_of_conditions_stand_above_their_means(
     imported = imported_from(file)
     found = answers(imported, "realism")
     assert {c: [v for (_, d, _), v in found.items() if d == c] for c in values} == values
+
+
+def test_numbered_words_of_agreement_are_no_symptoms(tmp_path: Path) -> None:
+    words = ["Strongly disagree", "Somewhat disagree", "Somewhat agree", "Strongly agree"]
+    head = ["ID", *(f"TRUST_{n}" for n in range(1, 17))]
+    rows = [[p, *(words[(n + k) % 4] for k in range(16))] for n, p in enumerate(PEOPLE)]
+    imported = imported_from(write(tmp_path / "x.csv", [head, *rows]))
+    assert {instrument for instrument, _ in imported.responses} == {"trust"}
+
+
+def test_words_of_one_degree_are_answers_to_two_questions(tmp_path: Path) -> None:
+    head = ["ID", "How high was the effort?", "How high was the strain?"]
+    rows = [
+        [p, ("Low effort", "High effort")[n % 2], ("High strain", "Low strain")[n // 2 % 2]]
+        for n, p in enumerate(PEOPLE)
+    ]
+    assert suggest_mapping([write(tmp_path / "x.csv", [head, *rows])]).imported is not None
+
+
+def test_numbers_that_each_scene_has_are_levels_and_no_outcomes(tmp_path: Path) -> None:
+    head = ["participant", "scenario", "lateral", "clearance", "How safe was it?"]
+    rows = [
+        [p, s, [0.5, 0.5, 1.5][s - 1], 0.8 + (n + s) * 0.1, 1 + (n + s) % 5]
+        for n, p in enumerate(PEOPLE)
+        for s in ((n, n + 1, n + 2)[: 2 + n % 2])
+        for s in (1 + s % 3,)
+    ]
+    found = suggest_mapping([write(tmp_path / "x.csv", [head, *rows])])
+    assert found.imported is not None
+    items = {item for r in found.imported.responses.values() for item in r.answers}
+    assert items == {"clearance", "how_safe_was_it"}
+    assert "'lateral'" in found.text
+
+
+def test_a_rating_of_sessions_is_no_number_of_a_session(tmp_path: Path) -> None:
+    head = ["Participant", "designSession", "How useful was the seminar?"]
+    rows = [[p, 5 + n % 4, 3 + n % 7] for n, p in enumerate(PEOPLE)]
+    imported = imported_from(write(tmp_path / "x.csv", [head, *rows]))
+    assert answers(imported, "design_session")["P02", "all", "post"] == 6

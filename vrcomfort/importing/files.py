@@ -413,7 +413,8 @@ def is_heading(rows: Sequence[Sequence[str]]) -> bool:
     ]
     if any(first[index] for index in numeric_below):  # row numbers alone may have no heading
         named = [i for i in numeric_below if first[i] and not is_number(first[i])]
-        return len(named) * 2 >= len(numeric_below)
+        some = len(named) >= _FEWEST_NAMED and not any(map(is_number, first))
+        return some or len(named) * 2 >= len(numeric_below)
     # All are words: a row of data has words that stand in its column again.
     again = [
         index
@@ -421,6 +422,10 @@ def is_heading(rows: Sequence[Sequence[str]]) -> bool:
         if cell and any(index < len(row) and row[index] == cell for row in below)
     ]
     return len(again) * 2 < _filled(first)
+
+
+_FEWEST_NAMED = 3
+"""Columns of numbers that words stand above, where others have no heading."""
 
 
 def _upper_headings(rows: Sequence[Sequence[str]]) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from fractions import Fraction
 from math import ceil, floor
 
@@ -103,17 +103,24 @@ def _are_degrees(words: Iterable[str], vocabulary: LabVocabulary) -> bool:
 def put_coding(
     draft: TomlDraft,
     instrument: Instrument,
-    cells: Iterable[str],
+    columns: Iterable[Collection[str]],
     decimal: str,
     vocabulary: LabVocabulary,
     flags: dict[str, float | None] | None = None,
 ) -> None:
-    """Write what answers in words and `flags` mean, and which texts are missing answers."""
-    blank = [text for text in cells if text and is_missing(text, vocabulary)]
+    """Write what answers in words and `flags` mean, and which texts are missing answers.
+
+    Two words of one degree are answers to two questions: ``low risk`` and ``low effort``.
+    """
+    columns = [*columns]
+    blank = [t for cells in columns for t in cells if t and is_missing(t, vocabulary)]
     seven = max(item.answers.high for item in instrument.items) == _OF_SEVEN
     flags = flags or {}
-    given = [text for text in cells if text and text not in {*blank, *flags}]
-    read = _read(given, decimal, vocabulary, of_seven=seven) | flags
+    read: dict[str, float | None] = {}
+    for cells in columns:
+        given = [text for text in cells if text and text not in {*blank, *flags}]
+        read |= _read(given, decimal, vocabulary, of_seven=seven)
+    read |= flags
     codes = missing_codes([value for value in read.values() if value is not None])
     blank += [text for text, value in read.items() if value in codes]
     if any(value is not None for value in read.values()):  # remarks among numbers

@@ -31,6 +31,7 @@ from vrcomfort.importing.suggest.evidence import (
     measures,
     says_no_person,
     texts,
+    values_of,
 )
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.names_of_files import names_with_folders, parts_of_names
@@ -316,6 +317,9 @@ class _Facts(People):
         if self._is_key_of_rows(fact, column) or (fact == "trial" and self._numbers_pages(column)):
             self._roles.metadata.append(column)
             return
+        if fact != "scene" and self._counts_from_none(column):
+            self._roles.unknown.append(column)
+            return
         said = "condition" in self._context.columns or self._condition_is_named()
         if fact == "block" and not is_numeric(self._table, column) and not said:
             self._roles.unknown.append(column)  # words under Block are what was shown in it
@@ -333,6 +337,12 @@ class _Facts(People):
             self.doubt(question, f"they are, {what}", ORDER)
         else:
             self.use(fact, column)
+
+    def _counts_from_none(self, column: int) -> bool:
+        """Return whether each person has one number, the lowest above 1: a rating of sessions."""
+        who = self._context.participant
+        once = who is not None and len(texts(self._table, who)) == len(self._table.rows)
+        return once and min(values_of(self._table, column), default=0) > 1
 
     def _numbers_pages(self, column: int) -> bool:
         """Return whether most people have numbers with gaps, as those of a program's pages are.

@@ -120,19 +120,31 @@ def say_moments_of_files(drafts: Sequence[TableDraft], vocabulary: LabVocabulary
 
 def say_conditions_of_files(drafts: Sequence[TableDraft], vocabulary: LabVocabulary) -> None:
     """Let files that ask the same people some of the same say the condition by their names; ask."""
-    alone = [d for d in drafts if d.draft.values.get("condition") == _ALL and len(d.files) == 1]
+    silent = [d for d in drafts if d.draft.values.get("condition") == _ALL]
+    asked = {heading for draft in silent for heading in draft.table.headings}
+    alone = [d for d in drafts if len(d.files) == 1 and (d in silent or _said_by(d) in asked)]
     alike = [d for d in alone if any(_ask_the_same(d, other) for other in alone if other is not d)]
     stems = [draft.table.file.stem for draft in alike]
     parts = parts_of_names(stems, ["condition"], vocabulary) if len(alike) > 1 else None
     if parts is None or len({*stems}) < len(stems):
         return
     for draft in alike:
+        if column := _said_by(draft):  # which other files have, too, and is none there
+            draft.draft.put("ignore", [*draft.ignored, column])
         draft.draft.put("file_name", parts.template)
         del draft.draft.values["condition"]
-        draft.doubts = [d for d in draft.doubts if not d.question.startswith(_ONE)]
+        wrong = (_ONE, f"Is {column!r} the condition")
+        draft.doubts = [d for d in draft.doubts if not d.question.startswith(wrong)]
     question = f"Do the names of the files say the condition ({', '.join(stems)})?"
     assumed = f"they do: {', '.join(parts.texts['condition'])}"
     alike[0].doubts.append(OpenDoubt(question, assumed, CONDITIONS))
+
+
+def _said_by(draft: TableDraft) -> str | None:
+    """Return the column that says a draft's condition, if one does."""
+    said = draft.draft.values.get("condition")
+    column = said.get("column") if isinstance(said, dict) else None
+    return column if isinstance(column, str) else None
 
 
 def _ask_the_same(one: TableDraft, other: TableDraft) -> bool:
@@ -145,13 +157,15 @@ def _ask_the_same(one: TableDraft, other: TableDraft) -> bool:
         }
         for draft in (one, other)
     ]
-    who = [draft.people for draft in (one, other)]
     people = [
-        {*texts(draft.table, column)} if column is not None else set()
-        for draft, column in zip((one, other), who, strict=True)
+        {*texts(draft.table, draft.table.headings.index(column))}
+        for draft in (one, other)
+        if isinstance(said := draft.draft.values.get("participant"), dict)
+        if isinstance(column := said.get("column"), str)
     ]
     when = one.draft.values.get("timepoint") == other.draft.values.get("timepoint")
-    return when and len(set.intersection(*asked)) > 1 and bool(set.intersection(*people))
+    met = len(people) > 1 and bool(people[0] & people[1])
+    return met and when and len(asked[0] & asked[1]) > 1
 
 
 def _without_moment(stem: str, vocabulary: LabVocabulary) -> tuple[str, ...]:

@@ -515,7 +515,8 @@ def _is_named(
     if named_by_file(table, [instrument], *(table.headings[c] for c in columns)):
         return True
     cells = {text for column in columns for text in table.column(column)}
-    said = any(is_number(t) or code_of(t, vocabulary) is not None for t in cells)
+    agreed = {text for text in cells if plain(text) in vocabulary.agreement}
+    said = any(is_number(t) or code_of(t, vocabulary) is not None for t in cells - agreed)
     return said and len(instrument.asked) >= _FEWEST_UNNAMED and _is_of_severity(instrument)
 
 

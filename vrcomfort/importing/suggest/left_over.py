@@ -100,6 +100,8 @@ def _reason(context: Context, column: int) -> str:
         return "the same number in all rows"
     if _is_of_design(context, column):
         return "each person has the same numbers, as levels and counts of trials are"
+    if _is_level(context, column):
+        return "each scene or condition has its number, as levels are"
     return ""
 
 
@@ -118,6 +120,17 @@ def _is_of_design(context: Context, column: int) -> bool:
     sets = Counter(frozenset(each.items()) for each in people)
     usual, count = max(sets.items(), key=lambda each: each[1], default=(frozenset(), 0))
     return len(usual) > 1 and len(people) > 2 and count * 4 >= 3 * len(people)
+
+
+def _is_level(context: Context, column: int) -> bool:
+    """Return whether a column has one number for each of several scenes, or conditions."""
+    rows = [row for row in context.table.rows if row[column]]
+    for said in (context.columns.get(fact, ()) for fact in ("scene", "condition")):
+        pairs = {(*(row[c] for c in said), row[column]) for row in rows if said}
+        named = {pair[:-1] for pair in pairs}
+        if 2 < len(named) == len(pairs) <= len(rows) // FEWEST_ANSWERS:
+            return True
+    return False
 
 
 def reading_of(table: SourceTable, column: int, vocabulary: LabVocabulary) -> TakenFor | None:

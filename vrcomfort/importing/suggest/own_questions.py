@@ -606,7 +606,7 @@ def draft_own(
 ) -> Drafted:
     """Draft the lab's own questions of one administration."""
     draft = TomlDraft({"instrument": found.instrument.name, **facts})
-    cells = [text for c in found.columns for text in texts(table, c)]
+    cells = [texts(table, c) for c in found.columns]
     flags: dict[str, float | None] = {}
     for column in found.columns:
         flags |= yes_or_no(texts(table, column), known.vocabulary)

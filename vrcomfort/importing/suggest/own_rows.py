@@ -148,6 +148,6 @@ def draft_own_rows(
     """Draft the lab's own questions of a table that has a row for each answer."""
     draft, rows = places_of_rows(table, long, facts)
     cells = [row[c] for row in rows for c in long.siblings or (long.response_column,)]
-    put_coding(draft, long.instrument, dict.fromkeys(cells), table.decimal, known.vocabulary)
+    put_coding(draft, long.instrument, [dict.fromkeys(cells)], table.decimal, known.vocabulary)
     draft.tables["items"] = TomlDraft(dict(long.items))
     return draft, [ask_about(long.instrument, [*long.items.values()])]
