@@ -25,7 +25,7 @@ def mentions(text: str, instruments: Iterable[Instrument]) -> set[str]:
     return {each.name for each in instruments if _mentions(text, each.name, each.short)}
 
 
-@lru_cache(maxsize=4096)  # a table is searched for each instrument, with each column as its items
+@lru_cache(maxsize=65536)  # a table is searched for each instrument, with each column as its items
 def _mentions(text: str, name: str, short: str) -> bool:
     words, joined = set(tokens(text)), plain(text)
     return bool(words & _acronyms(short)) or any(
