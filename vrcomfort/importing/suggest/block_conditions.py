@@ -54,10 +54,10 @@ def _permuted(table: SourceTable) -> dict[int, int]:
     series: dict[tuple[str, ...], dict[int, int]] = defaultdict(dict)
     numbers: Counter[int] = Counter()
     for column, words in enumerate(map(tokens, table.headings)):
-        numbers.update(said := {*numbers_in_words(words)})
-        if len(said) == 1:
+        numbers.update({*numbers_in_words(words)})
+        if (place := number_in_words(words)) is not None:
             rest = tuple(word for word in words if not word.isdecimal())
-            series[rest].setdefault(*said, column)
+            series[rest].setdefault(place, column)
     for found in series.values():
         rows = [tuple(row[c] for c in found.values()) for row in table.rows]
         orders = Counter(row for row in rows if all(row))
