@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import openpyxl
+
 from tests.importing.test_own_questions import answers, imported_from
 from tests.importing.test_wordings import STATEMENTS
 from tests.support.layouts import ENGLISH, PEOPLE, write
@@ -371,3 +373,14 @@ def test_a_rating_of_sessions_is_no_number_of_a_session(tmp_path: Path) -> None:
     rows = [[p, 5 + n % 4, 3 + n % 7] for n, p in enumerate(PEOPLE)]
     imported = imported_from(write(tmp_path / "x.csv", [head, *rows]))
     assert answers(imported, "design_session")["P02", "all", "post"] == 6
+
+
+def test_a_sheet_of_one_row_is_no_table(tmp_path: Path) -> None:
+    book = openpyxl.Workbook()
+    book.active.append(["ID", "How realistic was it?"])  # type: ignore[union-attr]
+    for n, p in enumerate(PEOPLE):
+        book.active.append([p, 1 + n % 5])  # type: ignore[union-attr]
+    book.create_sheet("legend").append(["Legend", "1 = not at all, 5 = very"])
+    book.save(tmp_path / "x.xlsx")
+    imported = imported_from(tmp_path / "x.xlsx")
+    assert len(imported.participants) == len(PEOPLE)

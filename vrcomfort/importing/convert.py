@@ -557,11 +557,12 @@ def tables_of(file: Path, table: TableMapping) -> list[SourceTable]:
 def _require_sheets(
     file: Path, mapping: LabMapping, reading: Reading, taken: Sequence[str]
 ) -> None:
-    """Raise `InputError` where a sheet of a workbook is left out without a word."""
+    """Raise `InputError` where a sheet with rows below its headings is left out without a word."""
     if file.suffix.lower() not in {".xlsx", ".xlsm"} and not reading.sections:
         return
     for grid in _grids(file, reading):
-        if grid.sheet not in taken and not matches(grid.sheet, mapping.ignore_sheets):
+        said = grid.sheet in taken or matches(grid.sheet, mapping.ignore_sheets)
+        if len(grid.rows) > 1 and not said:
             message = f"the sheet {grid.sheet!r} is in no table of the mapping"
             raise InputError(f"{message}; add it, or list it under ignore_sheets", file=file)
 

@@ -293,6 +293,7 @@ def _unanswered(drafts: Sequence[TableDraft], known: Known) -> list[OpenDoubt]:
 
 def _tables(file: Path, known: Known) -> list[SourceTable]:
     grids = [grid for grid in read_grids(file, Reading()) if grid.rows]
+    grids = [grid for grid in grids if len(grid.rows) > 1] or grids  # a legend is no table
     parts = [sections(grid) for grid in grids]
     if any(len(each) > 1 for each in parts):
         grids = [replace(g, reading=g.reading._replace(sections=True)) for p in parts for g in p]
