@@ -384,3 +384,16 @@ def test_a_sheet_of_one_row_is_no_table(tmp_path: Path) -> None:
     book.save(tmp_path / "x.xlsx")
     imported = imported_from(tmp_path / "x.xlsx")
     assert len(imported.participants) == len(PEOPLE)
+
+
+def test_an_id_of_what_was_shown_is_no_outcome(tmp_path: Path) -> None:
+    head = ["participant", "Display", "QuestionID", "Trust"]
+    rows = [
+        [p, d, 4 + (n * 3 + k) % 11, 1 + (n + k) % 5]
+        for n, p in enumerate(PEOPLE)
+        for k, d in enumerate(("Rift", "Wall"))
+    ]
+    found = suggest_mapping([write(tmp_path / "x.csv", [head, *rows])])
+    assert "May 'QuestionID' be left out" in found.text
+    assert found.imported is not None
+    assert {i for r in found.imported.responses.values() for i in r.answers} == {"trust"}

@@ -98,6 +98,8 @@ def _reason(context: Context, column: int) -> str:
         return "rows are moments of an exposure"
     if len(texts(table, column)) < _FEWEST:
         return "the same number in all rows"
+    if tokens(table.headings[column])[-1:] == ["id"]:
+        return "numbers that name something"
     if _is_of_design(context, column):
         return "each person has the same numbers, as levels and counts of trials are"
     if _is_level(context, column):
