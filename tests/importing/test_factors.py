@@ -130,3 +130,18 @@ def test_levels_with_decimals_are_a_factor_and_what_says_the_same_is_left_out(tm
     assert {*found.imported.conditions} == {f"{m}_{v}" for m in ("loot", "dancer") for v in levels}
     assert "Are conditions made of 'Model', 'GR' together?" in found.doubts[0]
     assert any("May 'TR' be left out" in doubt for doubt in found.doubts)
+
+
+def test_factors_of_which_everybody_had_the_same_cells_are_one_condition(tmp_path: Path) -> None:
+    """At 5 m the quality changes in half of the cells; two things were also seen from 2 m."""
+    cells = [*product(("loot", "dancer"), ("r1", "r5"), ("r1", "r5"), ("5",))]
+    cells += [(thing, r, r, "2.5") for thing in ("soldier", "red") for r in ("r1", "r5")]
+    rows = [
+        [f"P{n}", *cell, {"r1": 32, "r5": 16}[cell[1]], RANDOM.randint(1, 7)]
+        for n in range(1, 13)
+        for cell in RANDOM.sample(cells, len(cells))
+    ]
+    heads = ["id", "object", "start_quality", "end_quality", "distance", "start_qp", "qoe"]
+    found = suggest_mapping([write(tmp_path / "ratings.csv", [heads, *rows])]).imported
+    assert found is not None
+    assert len({*found.conditions}) == len(cells)

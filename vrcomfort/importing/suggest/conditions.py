@@ -39,6 +39,8 @@ from vrcomfort.settings import toml_value
 MOST_NAMED, _MOST_SPELLINGS = 5, 60
 _MOST_LEVELS, _FULL_OF = 6, 4
 """Levels of a factor between participants; people of whom one may lack a combination."""
+_MOST_CELLS = 60
+"""Combinations of levels at most: more are stimuli."""
 FEW_IN = 10
 """Of so many people, one with several rows may be two who share a code."""
 _WORDS = (BALANCED_WORDS, WORDS_WITHIN_PEOPLE)
@@ -136,7 +138,9 @@ class Conditions(FactDraft):
         columns = [c for c in columns if not self._is_said_by(c, columns)]
         within = [c for c in columns if varies_within(self._table, c, who)]
         between = [c for c in columns if 1 < len(texts(self._table, c)) <= _MOST_LEVELS]
-        chosen = within or (between if self._levels(between) else columns[:1])
+        chosen = self._all_of_design(within) if within else between
+        if not (within or self._levels(between)):
+            chosen = columns[:1]
         if len(chosen) > 1:
             self._cross(chosen)
             return
@@ -234,26 +238,55 @@ class Conditions(FactDraft):
 
     def _with_another(self, column: int) -> list[int]:
         """Return a column and others with which it is crossed; nothing where there is none."""
-        who = self._context.participant
-        if who is None or self._answers.row_keys or self._context.time is not None:
-            return []
-        factors = [column]
-        closed = {column} | self._context.used | self._roles.outcomes
-        open_ = [c for c in self._roles.unknown if c not in closed]
-        for other in (c for c in open_ if few_texts(self._table, c)):
-            if self._are_crossed([*factors, other], who):
+        factors, who = [column], self._context.participant
+        for other in self._levels_beside(factors):
+            if who is not None and self._are_crossed([*factors, other], who):
                 factors.append(other)
+        factors = self._all_of_design(factors)
         return [column, *sorted(factors[1:])] if len(factors) > 1 else []
+
+    def _levels_beside(self, factors: Sequence[int]) -> list[int]:
+        """Return the open columns that may be factors beside others; nothing in long files."""
+        if self._answers.row_keys or self._context.time is not None:
+            return []
+        closed = {*factors} | self._context.used | self._roles.outcomes
+        open_ = sorted({*self._roles.unknown, *self._roles.facts["condition"]} - closed)
+        return [c for c in open_ if few_texts(self._table, c) and not self._is_count(c)]
+
+    def _all_of_design(self, factors: list[int]) -> list[int]:
+        """Return factors, and others, if nearly everybody had the same cells of them once."""
+        who = self._context.participant
+        if who is None or len(self._table.rows) > _MOST_CELLS * len(texts(self._table, who)):
+            return factors
+        found, cells = [*factors], self._design(factors, who)
+        for other in self._levels_beside(factors):
+            if len(finer := self._design([*found, other], who)) > len(cells):
+                found, cells = [*found, other], finer
+        for other in found[:0:-1]:  # what the others say, too
+            fewer = [c for c in found if c != other]
+            found = fewer if len(self._design(fewer, who)) == len(cells) else found
+        return found if {*cells.values()} == {1} else factors
+
+    def _design(self, columns: Sequence[int], who: int) -> Counter[tuple[str, ...]]:
+        """Return how often a person had each combination, where nearly everybody had the same."""
+        each = [*self._met(columns, who).values()]
+        usual = max(each, key=each.count, default=Counter[tuple[str, ...]]())
+        return usual if each.count(usual) * _FULL_OF >= len(each) * (_FULL_OF - 1) else Counter()
+
+    def _met(self, columns: Sequence[int], who: int) -> dict[str, Counter[tuple[str, ...]]]:
+        """Return how often each person had each combination of texts of columns."""
+        met: dict[str, Counter[tuple[str, ...]]] = defaultdict(Counter)
+        for row in self._table.rows:
+            met[row[who]][tuple(row[c] for c in columns)] += 1
+        return met
 
     def _are_crossed(self, factors: Sequence[int], who: int) -> bool:
         """Return whether nearly everybody had each combination of levels equally often."""
         cells = [cell for cell in self._cells(factors) if all(cell)]
-        if self._is_count(factors[-1]) or not self._levels(factors):
+        if not self._levels(factors):
             return False
-        met: dict[str, Counter[tuple[str, ...]]] = defaultdict(Counter)
-        for row in self._table.rows:
-            met[row[who]][tuple(row[c] for c in factors)] += 1
-        often = [{count[cell] for cell in cells} for count in met.values()]
+        met = self._met(factors, who).values()
+        often = [{count[cell] for cell in cells} for count in met]
         whole = (len(each) == 1 and each != {0} for each in often)
         return sum(whole) * _FULL_OF >= len(met) * (_FULL_OF - 1)
 
