@@ -779,3 +779,43 @@ def test_a_sentence_with_a_moment_is_asked_of_that_moment_only_where_another_is_
     assert found.imported is not None
     assert {who.timepoint for _, who in found.imported.responses} == {"post"}
     assert any("another moment" in doubt for doubt in found.doubts)
+
+
+def test_what_is_answered_in_the_words_of_other_questions_is_a_question_too(tmp_path: Path) -> None:
+    """T01 and O02 are no moments or levels, but codes of questions as XAI01 is."""
+    heads = ["XAI01", "XAI02", "XAI03", "AIpT01", "AIpT02", "O01", "O02", "O03"]
+    rows = [[str(n + 3), *(f"A{RANDOM.randint(1, 5)}" for _ in heads)] for n in range(48)]
+    for n, row in enumerate(rows):
+        row[-1] = f"because of reason {n}"
+    found = imported_from(write(tmp_path / "survey.csv", [["id", *heads], *rows]))
+    assert len(own_items(found)) == len(heads) - 1
+    assert {moment.timepoint for _, moment in found.responses} == {"post"}
+
+
+def test_the_same_questions_behind_two_numbers_are_asked_twice(tmp_path: Path) -> None:
+    """Two drives each; six questions before, and again after; none is lost."""
+    asked = ["positive1", "positive2", "satisfaction1", "trust1", "wellbeing", "perception"]
+    rows: list[list[object]] = [
+        ["subID", "drive_index", *(f"{n}_{a}" for n in "13" for a in asked)]
+    ]
+    for n in range(20):
+        for drive in (0, 1):
+            rows.append([f"{n + 7}", drive, *(1 + RANDOM.randint(0, 6) for _ in range(12))])
+    found = imported_from(write(tmp_path / "drives.csv", rows))
+    assert len(found.participants) == 20
+    given = [a for r in found.responses.values() for a in r.answers.values() if a is not None]
+    assert sorted(given) == sorted(a for row in rows[1:] for a in row[2:])
+
+
+def test_remarks_among_numbers_are_no_answers_and_a_person_can_agree(tmp_path: Path) -> None:
+    words = ["I strongly disagree", "I disagree", "I can't say", "I agree", "I strongly agree"]
+    rows: list[list[object]] = [["ID", "The system is useful.", "edges", "minutes"]]
+    rows += [[f"P{n}", words[n % 5], 1 + n % 9, 11 + n * 7 % 30] for n in range(42)]
+    rows[4][2], rows[9][2] = "I can not tell", "I could not find it"
+    found = imported_from(write(tmp_path / "quiz.csv", rows))
+    given = {
+        n: next(a for a in answers(found, n).values())
+        for n in ("the_system_is_useful", "edges", "minutes")
+    }
+    assert given == {"the_system_is_useful": 1, "edges": 1, "minutes": 11}
+    assert len(answers(found, "edges")) == 40

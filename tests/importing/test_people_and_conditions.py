@@ -504,3 +504,10 @@ def test_the_row_of_texts_below_codes_says_which_column_is_the_person(tmp_path: 
         rows.append([*person, *(felt[answer] for answer in answers(n))])
     found = suggest_mapping([write(tmp_path / "survey.csv", rows)])
     assert [*conditions_of(found)] == [str(n) for n in range(1, 15)]
+
+
+def test_what_people_are_asked_of_themselves_is_no_condition(tmp_path: Path) -> None:
+    degrees = ["Bachelor"] * 5 + ["Master"] * 2 + ["PhD"]
+    rows: list[Row] = [["Timestamp", "What is your highest degree at present?", *ITEMS]]
+    rows += [[f"2024-03-02 10:{n:02}", degrees[n % 8], *answers(n)] for n in range(24)]
+    assert of(suggest_mapping([write(tmp_path / "form.csv", rows)])).conditions == ["all"]

@@ -18,6 +18,8 @@ from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 from vrcomfort.questionnaire import Instrument, plain
 
 FEWEST_ANSWERS = 4
+_REMARK = 4
+"""Words among numbers that are no answer: I could not find it."""
 _OF_FIVE, _OF_SEVEN = 5, 7
 _NUMBERED = re.compile(r"\(?(-?\d{1,3})[\s–—=:.)(-]+[^\W\d_]\D*|[^\W\d_]\D*[\s=:(](-?\d{1,3})\)?")
 """An answer that says its number before or behind its words, as ends of scales do."""
@@ -80,9 +82,13 @@ def _read(
     if alike and _are_degrees(words, vocabulary):
         found |= {text: vocabulary.degree(text) for text in words}
     elif alike:
-        found |= {text: code_of(text, vocabulary, of_seven=of_seven) for text in words}
-    if len({found[text] for text in words}) < len({*map(plain, words)}):
-        return dict.fromkeys(found)  # two words of one degree
+        known = {*vocabulary.agreement, *vocabulary.severity}
+        said = [t for t in words if len(t.split()) < _REMARK or plain(t) in known]
+        said = said if len(words) < len(found) else words  # alone, or among numbers
+        found |= {text: code_of(text, vocabulary, of_seven=of_seven) for text in said}
+    said = [text for text in words if found[text] is not None]
+    if len({found[text] for text in said}) < len({*map(plain, said)}):
+        found |= dict.fromkeys(words)  # two words of one degree
     return {text: None if value is None else float(value) for text, value in found.items()}
 
 

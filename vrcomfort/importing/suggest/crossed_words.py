@@ -15,6 +15,8 @@ _MEANS = frozenset(["overall", "total", "mean", "average", "avg"])
 """Words before means over conditions."""
 _ENDS = ((0, 1), (-1, None), (0, 2), (-2, None))
 """Where a word stands for a condition, or a word with its number: first, or last."""
+_NUMBERED = ([[False], [False, True]], [[False], [False, True], [True]])
+"""Which of the words is a number. One alone stands for a moment or condition if it is the first."""
 
 
 def crossed(questions: Sequence[OwnQuestion], vocabulary: LabVocabulary) -> list[OwnQuestion]:
@@ -39,7 +41,7 @@ def _without_factor(
         words = words_of(each.text)
         said = tuple(word.casefold() for word in words[start:end])
         others = words[:start] if end is None else words[end:]
-        if others and [word.isdecimal() for word in said] in ([False], [False, True]):
+        if others and [word.isdecimal() for word in said] in _NUMBERED[start == 0]:
             groups[said][" ".join(others), each.context] = each
     found = [*questions]
     for said, own in groups.items():

@@ -417,12 +417,21 @@ def _words_without_people(context: Context, column: int) -> bool:
     if context.participant is not None or column not in open_ or behind:
         return False
     words = texts(context.table, column)
-    if all(map(context.vocabulary.timepoint, words)):
+    if all(map(context.vocabulary.timepoint, words)) or _asks_person(context.table, column):
         return False
     if _says_yes_or_no(context, column):
         return False  # an answer to a question of the lab's own
     numbers = is_numeric(context.table, column) or measures(context.table, column)
     return not numbers and few_texts(context.table, column)
+
+
+def _asks_person(table: SourceTable, column: int) -> bool:
+    """Return whether a heading asks people of themselves, as what their highest degree is."""
+    said = tokens(f"{table.headings[column]} {table.labels[column]}")
+    return len(said) >= FEWEST_OF_SENTENCE and bool({*said} & _SECOND_PERSON)
+
+
+_SECOND_PERSON = frozenset(["you", "your", "ihr", "ihre", "ihren", "du", "dein", "deine", "vous"])
 
 
 def _groups_people(context: Context, column: int) -> bool:

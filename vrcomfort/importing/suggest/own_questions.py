@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import cached_property, reduce
 from itertools import pairwise
@@ -58,6 +58,8 @@ from vrcomfort.questionnaire.instrument_file import TAKEN
 _FEWEST_STEPS = 2
 _SENTENCE = 4
 """Words of a heading that is a sentence."""
+_FEWEST_WORDS = 3
+"""Answers in words that show which scale a question is on."""
 _FEWEST_OF_BLOCK = 5
 """Questions on the scale of a number with decimals, which is then their mean."""
 _BRACKET = re.compile(r"\[([^\[\]]*[^\W\d_]{2}[^\[\]]*)\]\s*$")
@@ -263,10 +265,17 @@ class OwnQuestions:
         return found
 
     def _asked_again(self, asking: Sequence[int], rated: set[int]) -> list[int]:
-        """Return other columns with the same question in another administration."""
+        """Return other columns with the same question at another time, or the same words."""
         asked = {self._asked(c) for c in asking}
+        worded = (c for c in asking if not is_numeric(self._table, c))
+        words = {text for c in worded for text in texts(self._table, c)}
         open_ = {*self._roles.unknown} & {*self._scales} - rated - {*asking}
-        return [c for c in sorted(open_) if self._asked(c) in asked]
+        return [c for c in sorted(open_) if self._asked(c) in asked or self._is_in(c, words)]
+
+    def _is_in(self, column: int, words: Set[str]) -> bool:
+        """Return whether the answers of a column are at least three of some words."""
+        said = {*texts(self._table, column)}
+        return len(said) >= _FEWEST_WORDS and said <= words and not self._is_no_answer(column)
 
     def _asked(self, column: int) -> str:
         return plain(_REPEATED.sub("", self._question(column).text))
@@ -525,8 +534,12 @@ class OwnQuestions:
         if word in self._vocabulary.timepoints:  # a start time is no moment
             return not self._is_code(word) and word + after not in self._vocabulary.roles
         before = words[place - 1] if place else ""
-        numbered = self._vocabulary.numbered
-        return (word in numbered and after.isdecimal()) or (word.isdecimal() and before in numbered)
+        return self._numbers(word, after) or self._numbers(before, word)
+
+    def _numbers(self, word: str, number: str) -> bool:
+        """Return whether a word and its number are a fact; a letter and 01 are a question's."""
+        padded = len(word) == 1 and re.fullmatch(r"0\d+", number)
+        return word in self._vocabulary.numbered and number.isdecimal() and not padded
 
     def _tells_outside(self, words: Sequence[str], place: int) -> bool:
         """Return whether a word at the end of a heading is none of its question.

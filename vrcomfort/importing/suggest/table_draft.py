@@ -429,6 +429,10 @@ class TableDraft(SaidByHeadings):
         said_of = {c: (self.table.headings[c], *inner_names(self.table.headings[c])) for c in left}
         told = {c: {*map(self._vocabulary.told, names)} for c, names in said_of.items()}
         left = {c: has for c, has in left.items() if OUTCOME not in told[c]}
+        if self.people is not None:
+            left = {
+                c: has for c, has in left.items() if not varies_within(self.table, c, self.people)
+            }
         who = [] if self.people is None else texts(self.table, self.people)
         if len(who) == len(self.table.rows):
             of_people = {*self._roles.covariates.values()}
