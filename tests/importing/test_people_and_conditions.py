@@ -511,3 +511,20 @@ def test_what_people_are_asked_of_themselves_is_no_condition(tmp_path: Path) -> 
     rows: list[Row] = [["Timestamp", "What is your highest degree at present?", *ITEMS]]
     rows += [[f"2024-03-02 10:{n:02}", degrees[n % 8], *answers(n)] for n in range(24)]
     assert of(suggest_mapping([write(tmp_path / "form.csv", rows)])).conditions == ["all"]
+
+
+def test_a_statement_about_what_was_shown_is_no_experience_of_people(tmp_path: Path) -> None:
+    heads = ["Participant", "I found it engaging", "It was a creative experience"]
+    rows = [heads, *([f"P{n}", n % 5, n * 3 % 5] for n in range(40))]
+    found = of(suggest_mapping([write(tmp_path / "post.csv", rows)]))
+    given = [r.answers for r in found.responses.values()]
+    assert sum("it_was_a_creative_experience" in each for each in given) == 40
+
+
+def test_a_row_of_a_grid_is_no_condition_whatever_the_grid_asks(tmp_path: Path) -> None:
+    tight = ["Too tight", "Tight", "Clear"]
+    heads = ["ID", *(f"Answer below for the following conditions.{each}" for each in tight)]
+    heads += ["I found it engaging"]
+    rows = [[f"P{n}", "3.0x+", "2.0x", ("1.0x", "<1.0x")[n % 2], 1 + n % 5] for n in range(12)]
+    found = of(suggest_mapping([write(tmp_path / "form.csv", [heads, *rows])]))
+    assert found.conditions == ["all"]

@@ -22,6 +22,7 @@ from vrcomfort.importing.suggest.heading_roles import (
     OPINIONS,
     PREFERENCES,
     Roles,
+    around,
     is_personal,
     names_fact,
 )
@@ -428,7 +429,8 @@ def _words_without_people(context: Context, column: int) -> bool:
 def _asks_person(table: SourceTable, column: int) -> bool:
     """Return whether a heading asks people of themselves, as what their highest degree is."""
     said = tokens(f"{table.headings[column]} {table.labels[column]}")
-    return len(said) >= FEWEST_OF_SENTENCE and bool({*said} & _SECOND_PERSON)
+    asks = bool({*said} & _SECOND_PERSON) and "did" not in said  # which did you just use?
+    return len(said) >= FEWEST_OF_SENTENCE and asks
 
 
 _SECOND_PERSON = frozenset(["you", "your", "ihr", "ihre", "ihren", "du", "dein", "deine", "vous"])
@@ -478,7 +480,10 @@ def _balanced_groups(context: Context, column: int) -> bool:
 
 
 def _is_a_question(table: SourceTable, column: int) -> bool:
-    """Return whether a heading is one of a row of numbers such as ``Q4``, ``Q5``, ``Q6``."""
+    """Return whether a heading is one of a row (``Q4``, ``Q5``, ``Q6``) or grid, or asks people."""
+    asked = [around(each)[0] for each in table.headings]
+    if _asks_person(table, column) or (asked[column] and asked.count(asked[column]) > 2):
+        return True
     stems = [re.fullmatch(r"([^\W\d]{1,3}) ?_?\d{1,3}", each) for each in table.headings]
     own = stems[column]
     return own is not None and [each[1] for each in stems if each].count(own[1]) >= _ROW_OF_CODES
@@ -599,6 +604,9 @@ def candidates(role: str, columns: Iterable[int], context: Context) -> list[Cand
         asks = len(words) >= FEWEST_OF_SENTENCE and (OPINIONS | PREFERENCES) & {*words}
         if role == "condition" and asks:
             continue  # a question of the lab's own
+        open_ = role == "participant" and column in context.roles.unknown
+        if open_ and _asks_person(context.table, column):
+            continue
         heaviest = next((each for each in rows if each.test(context, column)), None)
         if heaviest is not None:
             found.append(Candidate(column, heaviest))

@@ -99,6 +99,8 @@ OPINIONS = frozenset(["how", "i", "wie", "ich"])
 """Words with which questions begin that ask no fact: how comfortable was this condition?"""
 
 
+STATES = frozenset(["was", "were", "felt", "am", "i", "war", "waren", "fühlte", "ich", "était"])
+"""Words of statements about what was shown: it was a creative experience."""
 PREFERENCES = frozenset(["best", "worst", "like", "dislike", "prefer", "preferred"])
 """Words of sentences that ask what people liked: which mode do you like best?"""
 
@@ -121,8 +123,9 @@ def _label(text: str, vocabulary: LabVocabulary, kind: Callable[[str], bool]) ->
 
 
 def _covariate_word(text: str, vocabulary: LabVocabulary) -> list[str]:
-    words = set(tokens(text))
-    if len(words) > 6:
+    said = tokens(text)
+    words = set(said)
+    if len(words) > 6 or (len(said) >= FEWEST_OF_SENTENCE and words & STATES):
         return []
     return [name for name, known in vocabulary.covariate_words.items() if words & known]
 
@@ -192,10 +195,10 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
     """Decide on the roles of columns by their headings, or else by their labels."""
     roles = Roles()
     weighed: dict[str, list[tuple[int, int]]] = defaultdict(list)
-    merged = Counter(heading.rpartition(JOIN)[0] for heading in table.headings)
+    merged = Counter(around(heading)[0] for heading in table.headings)
     times = {f"{heading.partition('[')[0]}Time" for heading in table.headings}  # of answers
     for column in columns:
-        outer, _, inner = table.headings[column].rpartition(JOIN)
+        outer, inner = around(table.headings[column])
         label = table.labels[column]
         said = inner_names(table.headings[column]) if table.nested else ()
         if code := _CODE_AND_TEXT.fullmatch(table.headings[column]):
@@ -208,7 +211,8 @@ def roles_of(table: SourceTable, columns: Iterable[int], vocabulary: LabVocabula
             weight += _OWN_NAME
         cell, _, key = table.headings[column].partition(".")
         unpacked = role == IGNORED and key and cell in table.headings  # feedback.q1
-        if unpacked or (outer and merged[outer] > 1 and role not in {*FACTS, IGNORED}):
+        asks = role not in {*FACTS, IGNORED} or len(tokens(outer)) >= FEWEST_OF_SENTENCE
+        if unpacked or (outer and merged[outer] > 1 and asks):
             last = key if unpacked else inner  # Hand tracking / SUS: no handedness
             role, weight = _heaviest((last,), vocabulary)
         told = vocabulary.told(table.headings[column]) or vocabulary.told(label)
@@ -244,6 +248,14 @@ _OWN_NAME = 100
 _REMARK = re.compile(r"\s*\([^()]*\)$")
 _CODE_AND_TEXT = re.compile(r"([A-Za-z][A-Za-z0-9_]{0,19})\. (\S.*)")
 """Headings of a survey program that writes the code of a question before its text."""
+
+
+def around(heading: str) -> tuple[str, str]:
+    """Return the cell or question around a heading, and its own: ``How tight is it?.Screws``."""
+    outer, _, inner = heading.rpartition(JOIN)
+    question, _, row = heading.rpartition(".")
+    asks = not outer and row and len(tokens(question)) >= FEWEST_OF_SENTENCE
+    return (question, row) if asks else (outer, inner)
 
 
 def inner_names(heading: str) -> tuple[str, ...]:
