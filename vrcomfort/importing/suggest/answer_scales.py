@@ -78,14 +78,14 @@ def _read(
         return found | numbers
     if numbers:  # some words alone say a number, or two the same
         return dict.fromkeys(found)
+    if len(words) < len(found):  # among numbers
+        known = {*vocabulary.agreement, *vocabulary.severity}
+        words = [t for t in words if len(t.split()) < _REMARK or plain(t) in known]
     alike = len({text[:1] for text in words if text[1:].isdecimal()}) < 2  # not a1, b1
     if alike and _are_degrees(words, vocabulary):
         found |= {text: vocabulary.degree(text) for text in words}
     elif alike:
-        known = {*vocabulary.agreement, *vocabulary.severity}
-        said = [t for t in words if len(t.split()) < _REMARK or plain(t) in known]
-        said = said if len(words) < len(found) else words  # alone, or among numbers
-        found |= {text: code_of(text, vocabulary, of_seven=of_seven) for text in said}
+        found |= {text: code_of(text, vocabulary, of_seven=of_seven) for text in words}
     said = [text for text in words if found[text] is not None]
     if len({found[text] for text in said}) < len({*map(plain, said)}):
         found |= dict.fromkeys(words)  # two words of one degree

@@ -426,10 +426,10 @@ def _words_without_people(context: Context, column: int) -> bool:
     return not numbers and few_texts(context.table, column)
 
 
-def _asks_person(table: SourceTable, column: int) -> bool:
-    """Return whether a heading asks people of themselves, as what their highest degree is."""
+def _asks_person(table: SourceTable, column: int, *, but: str = "did") -> bool:
+    """Return whether a heading asks people of themselves, but of what they ``did`` just use."""
     said = tokens(f"{table.headings[column]} {table.labels[column]}")
-    asks = bool({*said} & _SECOND_PERSON) and "did" not in said  # which did you just use?
+    asks = bool({*said} & _SECOND_PERSON) and but not in said
     return len(said) >= FEWEST_OF_SENTENCE and asks
 
 
@@ -605,7 +605,7 @@ def candidates(role: str, columns: Iterable[int], context: Context) -> list[Cand
         if role == "condition" and asks:
             continue  # a question of the lab's own
         open_ = role == "participant" and column in context.roles.unknown
-        if open_ and _asks_person(context.table, column):
+        if open_ and _asks_person(context.table, column, but="id"):
             continue
         heaviest = next((each for each in rows if each.test(context, column)), None)
         if heaviest is not None:
