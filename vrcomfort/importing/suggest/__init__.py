@@ -153,7 +153,7 @@ def _suggested(
     alone = len(drafts) == 1 or all(draft.people is None for draft in drafts)
     if left_over:
         drafts = [with_left_over(draft, known, alone=alone) for draft in drafts]
-    books = [d for d in drafts if d.people is None and is_codebook(d.table, read)]
+    books = [d for d in drafts if is_codebook(d.table, read, people=d.people is not None)]
     useful = without_unnamed_people([d for d in drafts if d.gives and d not in books] or drafts)
     say_names_of_files(useful)
     say_groups(useful, [d for d in drafts if d not in useful], known.vocabulary)

@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, permutations
 
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
@@ -41,6 +41,12 @@ def with_codebooks(tables: Sequence[SourceTable]) -> list[SourceTable]:
                 continue
             explained = [*_explained(book, table)]
             rows = Counter(name for name, _ in explained)
+            always: dict[str, list[str]] = {}
+            for name, row in explained:
+                kept = always.setdefault(name, [*filter(None, row)])
+                always[name] = [text for text in kept if text in row]
+            for name, texts in always.items():
+                said[name] = [*said.get(name, ()), *(texts if rows[name] > 1 else ())]
             for name, row in explained:
                 own = meanings.setdefault(name, {})
                 codes = [cell for cell in row if is_number(cell)]
@@ -82,6 +88,9 @@ def _explained(book: SourceTable, table: SourceTable) -> Iterator[tuple[str, lis
     if sidecar := _sidecar(book, places):
         yield from sidecar.items()
         return
+    if joined := [*_joined_codes(book, places)]:
+        yield from joined
+        return
     titles = [n for n, heading in enumerate(book.headings) if plain(heading) in _TITLES]
     for column in range(len(book.headings)):
         cells = [cell for cell in book.column(column) if cell]
@@ -99,6 +108,19 @@ def _explained(book: SourceTable, table: SourceTable) -> Iterator[tuple[str, lis
             for place in named.get(row[column], ()):
                 yield table.headings[place], others
         return
+
+
+def _joined_codes(book: SourceTable, places: Mapping[str, int]) -> Iterator[tuple[str, list[str]]]:
+    """Yield headings made of the codes of a question and of its part: ``Q1[SQ003]``, ``Q1_3``."""
+    keys = {plain(heading): heading for heading in places}
+    for one, two in permutations(range(len(book.headings)), 2):
+        names = [keys.get(plain(row[one] + row[two]), "") for row in book.rows]
+        parts = {n for n, row in zip(names, book.rows, strict=True) if n and row[one] and row[two]}
+        if len(parts) >= _FEWEST:
+            for name, row in zip(names, book.rows, strict=True):
+                if name:
+                    yield name, [cell for n, cell in enumerate(row) if n not in {one, two}]
+            return
 
 
 def _sidecar(book: SourceTable, places: Mapping[str, int]) -> dict[str, list[str]]:
@@ -119,9 +141,16 @@ def _sidecar(book: SourceTable, places: Mapping[str, int]) -> dict[str, list[str
 _FEWEST_OF_SIDECAR = 2
 
 
-def is_codebook(book: SourceTable, tables: Sequence[SourceTable]) -> bool:
-    """Return whether a file says of the columns of another table what they, or numbers, are."""
+def is_codebook(book: SourceTable, tables: Sequence[SourceTable], *, people: bool) -> bool:
+    """Return whether a file says of the columns of another table what they, or numbers, are.
+
+    One that seems to have people is none, unless it joins codes.
+    """
     for table in (table for table in tables if table.file != book.file):
+        if any(_joined_codes(book, dict.fromkeys(table.headings, 0))):
+            return True
+        if people:
+            continue
         if _sidecar(book, dict.fromkeys(table.headings, 0)):
             return True
         said = [(name, next(filter(is_number, row), "")) for name, row in _explained(book, table)]

@@ -79,7 +79,8 @@ NAMES_OF_FILES = Stake("answers would be of other people or conditions", 80, _NA
 STAYED = Stake(_STAYED, 76, "in left_at: planned_s = …")
 DIRECTION = Stake("a low answer would count as a high one", 75, _REVERSED)
 ITEM = Stake("an answer would count for another symptom", 74, _ITEMS)
-INSTRUMENT = Stake("scores would be made by another formula", 72, 'instrument = "…" in the mapping')
+_BLOCK = 'another block in the mapping: instrument = "…", first_columns = ["its first heading"]'
+INSTRUMENT = Stake("scores would be made by another formula", 72, _BLOCK)
 SHORT_FORM = Stake(_SHORTER, 70, _SHORT)
 SCORE_KIND = Stake("scores would be called what they are not", 68, 'below scores: kind = "other"')
 SAME_PERSON = Stake("one person would count as two", 66, _SAME_P)

@@ -90,7 +90,8 @@ class Context:
         table, open_ = self.table, [*self.roles.unknown, *self.roles.metadata]
         said = tokens(f"{table.headings[column]} {table.labels[column]}")
         named = {*said} & self.vocabulary.fact_words["participant"]
-        words = [c for c in open_ if few_texts(table, c) and not is_numeric(table, c)]
+        shown = [*self.roles.facts["condition"], *self.roles.facts["timepoint"]]
+        words = [c for c in (*open_, *shown) if few_texts(table, c) and not is_numeric(table, c)]
         for other in open_ if not named and len(texts(table, column)) == len(table.rows) else ():
             codes = len(texts(table, other))
             if codes < _FEWEST_PEOPLE or "" in table.column(other) or measures(table, other):

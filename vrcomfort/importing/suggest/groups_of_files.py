@@ -15,7 +15,7 @@ from vrcomfort.importing.suggest.names_of_files import parts_of_names
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
 
-_AFTER_A_WORD = re.compile(r"[^{]*\w[^{]*\{condition\}")
+_BESIDE_A_WORD = re.compile(r"[^{]*\w[^{]*\{condition\}|\{condition\}[^{]*\w{3}[^{]*$")
 _FEWEST = 2
 """People of a group."""
 
@@ -23,13 +23,13 @@ _FEWEST = 2
 def say_names_of_files(drafts: Sequence[TableDraft]) -> None:
     """Let the name of a file say its condition, where it is made as those of others are.
 
-    A word stands before the condition: others may have any name.
+    A word stands beside the condition: others may have any name.
     """
     templates = dict.fromkeys(
         template
         for draft in drafts
         if isinstance(template := draft.draft.values.get("file_name"), str)
-        if _AFTER_A_WORD.match(template) and "/" not in template
+        if _BESIDE_A_WORD.match(template) and "/" not in template
     )
     for draft in drafts:
         if draft.draft.values.get("condition") != _ALL or "file_name" in draft.draft.values:

@@ -445,7 +445,8 @@ def _best(
             for other in found
         )
         unsaid = len(block.context)  # of two with the same items, one may be named
-        return (said, whole == 1.0 and not part, exact + whole, -unsaid)
+        again = block.instrument.asks == "symptoms"  # as others that are asked once are not
+        return (said, whole == 1.0 and not part, exact + whole, again, -unsaid)
 
     kept: list[Found] = []
     taken: set[int] = set()

@@ -13,7 +13,10 @@ from collections.abc import Collection, Iterable, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import cached_property, reduce
 from itertools import pairwise
+from math import isnan, nan
 from statistics import fmean
+
+import numpy as np
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
@@ -70,6 +73,7 @@ _ENDS = (
 )
 """The ends of a scale in a heading: ``(1-7)``, ``1 = not at all, 7 = very``."""
 _REPEATED = re.compile(r" \(\d+\)$")
+_NUMBERING = re.compile(r"^\d{1,2}[.)] +(?=\D)")
 _NUMBER_OF_ITEM = re.compile(r"(?<=[^\d])\d+$")
 _MOST_MEANT, _ROUNDED = 12, 0.051
 """Questions of a mean at most, and how far it may be rounded."""
@@ -105,7 +109,9 @@ class OwnQuestions:
         self._columns, self._known = columns, known
         self._vocabulary = known.vocabulary
         self._roles = roles_of(table, columns, known.vocabulary)
+        contexts = [*contexts]
         self._apart = {word for context in contexts for word in context}
+        self._glued = _glued(table.headings, contexts)
         self._apart |= {w for name in known.vocabulary.conditions for w in name.split("_")}
         self._apart |= {*map(str, numbered)}
         self._headings = shared_stems(table.headings)
@@ -239,9 +245,7 @@ class OwnQuestions:
 
     def _in_runs(self, questions: list[OwnQuestion]) -> list[OwnQuestion]:
         """Tell runs of questions apart that repeat in the same order, by their numbers."""
-        said = {
-            each.column: _REPEATED.sub("", self._table.headings[each.column]) for each in questions
-        }
+        said = {each.column: self._bare(self._table.headings[each.column]) for each in questions}
         again = {text for text, count in Counter(said.values()).items() if count > 1}
         once = [each for each in questions if said[each.column] not in again]
         questions = [each for each in questions if said[each.column] in again]
@@ -263,6 +267,17 @@ class OwnQuestions:
             asked = f"{text} {number_within}" if often[text] > 1 else text
             found.append(replace(each, text=asked, context=(str(run + 1),)))
         return found
+
+    def _bare(self, heading: str) -> str:
+        """Return a heading without the number of its repetition: ``Sharp? (2)``, ``Sharp?2``."""
+        bare = _REPEATED.sub("", heading)
+        once = _NUMBER_OF_ITEM.sub("", bare)
+        before = int(bare[len(once) :] or 0) - 1
+        there = once in self._table.headings and {once, f"{once}{before}"} <= {
+            *self._table.headings,
+            f"{once}1",
+        }
+        return once if there else bare
 
     def _asked_again(self, asking: Sequence[int], rated: set[int]) -> list[int]:
         """Return other columns with the same question at another time, or the same words."""
@@ -361,6 +376,8 @@ class OwnQuestions:
         """Return whether a mean or a total stands beside the questions that it is made of."""
         if column in self._roles.outcomes:
             return False
+        if column in self._computed:
+            return True
         others = [c for c in sorted(columns) if c != column]
         left = self._left.get(column)
         scale = left.scale if left is not None else self._scales[column]
@@ -379,6 +396,19 @@ class OwnQuestions:
         asked = [c for c in others if left is None or c not in self._left]
         said = ({*tokens(self._table.headings[c])} for c in asked)
         return bool(words & fillers) and any(own & each and not each & fillers for each in said)
+
+    @cached_property
+    def _computed(self) -> set[int]:
+        """Return the columns that are sums, weighted or not, or the reverse, of those before."""
+        decimal, found, basis = self._table.decimal, set[int](), list[list[float]]()
+        for column in sorted({*self._scales, *self._left}):
+            read = (number(cell, decimal) for cell in self._table.column(column))
+            values = [nan if value is None else value for value in read]
+            if _is_combination(values, basis[-_MOST_MEANT:]):
+                found.add(column)
+            elif sum(map(isnan, values)) * FEWEST_ANSWERS < len(values):
+                basis.append(values)
+        return found
 
     def _is_mean(self, column: int, whole: Sequence[int]) -> bool:
         """Return whether a column is the mean of a run of others, wherever these are answered."""
@@ -486,7 +516,7 @@ class OwnQuestions:
 
     def _short_question(self, column: int) -> OwnQuestion:
         """Return a question whose heading is all there is: words at its ends may be facts."""
-        given = words_of(self._table.headings[column])
+        given = self._glued.get(column) or words_of(self._table.headings[column])
         words = [word.casefold() for word in given]
         start, end = 0, len(words)
         while start < end - 1 and self._tells_outside(words, start):
@@ -522,6 +552,7 @@ class OwnQuestions:
         if said is None and (match := _ENDS_OF_CODE.search(self._table.headings[column])):
             low, high = int(match[1]), int(match[2])
             said = AnswerRange(low, high, seen.step) if _holds(low, high, seen) else None
+        text = _NUMBERING.sub("", text)
         how: How = "name" if left is None else "measure" if left.measured else "left"
         return OwnQuestion(column, text, tuple(dict.fromkeys(context)), code, seen, said, how)
 
@@ -575,6 +606,40 @@ class OwnQuestions:
             return question
         context, scale = tuple(tokens(parts[0])), self._scales[question.column]
         return replace(question, text=parts[1].strip(), context=context, code="", said=scale)
+
+
+def _glued(headings: Sequence[str], contexts: Sequence[Context]) -> dict[int, list[str]]:
+    """Return column → words of a heading to which an administration is glued: ``COMFA, COMFB``.
+
+    Each of the others has a heading with the same beginning.
+    """
+    found = {}
+    there, words = {h.casefold() for h in headings}, {w for each in contexts for w in each}
+    for column, heading in enumerate(headings):
+        ends = [w for w in words if heading.casefold().endswith(w) and w not in tokens(heading)]
+        for stem, word in ((heading[: -len(end)], end) for end in ends):
+            met = {w for w in words if f"{stem}{w}".casefold() in there}
+            if len(met) > 1 and stem[-1:].isalpha() and all(met & {*each} for each in contexts):
+                found[column] = [*words_of(stem), word]
+    return found
+
+
+def _is_combination(values: Sequence[float], others: Sequence[Sequence[float]]) -> bool:
+    """Return whether numbers are an exact sum of others, or the reverse of one of them.
+
+    A sum has no negative weights unless it is a difference, which is below zero at times.
+    """
+    cells = np.array([[1.0] * len(values), *others, values]).T
+    cells = cells[~np.isnan(cells).any(axis=1)]
+    if len(cells) < len(others) + FEWEST_ANSWERS or len({*cells[:, -1]}) < _FEWEST_STEPS:
+        return False
+    weights, _, rank, _ = np.linalg.lstsq(cells[:, :-1], cells[:, -1])
+    if rank <= len(others) or np.abs(cells[:, :-1] @ weights - cells[:, -1]).max() > _ROUNDED:
+        return False
+    parts = weights[1:][np.abs(weights[1:]) > _ROUNDED / 10]
+    if len(parts) < 2:
+        return bool(np.allclose(parts, -1.0, atol=_ROUNDED))
+    return bool((parts > 0).all() or cells[:, -1].min() < 0)
 
 
 def _grids(table: SourceTable, columns: Iterable[int]) -> dict[str, list[int]]:

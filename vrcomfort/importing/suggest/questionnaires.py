@@ -187,15 +187,24 @@ def _instrument_doubts(table: SourceTable, block: Found, known: Known) -> list[O
     text = " ".join(table.headings[c] + " " + table.labels[c] for c in block.columns)
     if block.instrument.name in named_by_file(table, known.instruments, text):
         return []
-    found = set(block.items)
+    found, asked = set(block.items), block.instrument
+    numbered = {each.how for each in block.items.values()} == {"number"}
+    numbered = numbered and not mentions(text, [asked])
     others = [
         other.name.upper()
         for other in known.instruments
-        if other.name != block.instrument.name and found <= {item.name for item in other.items}
+        if other.name != asked.name
+        if (
+            (len(other.asked), other.low) == (len(asked.asked), asked.low)
+            if numbered
+            else found <= {item.name for item in other.items}
+        )
     ]
     if not others:
         return []
-    question = f"Items of {block.instrument.name.upper()} are items of {', '.join(others)}, too:"
+    question = f"Items of {asked.name.upper()} are items of {', '.join(others)}, too:"
+    if numbered:
+        question = f"{asked.name.upper()} and {', '.join(others)} have as many items:"
     return [OpenDoubt(f"{question} which was asked?", block.instrument.name.upper(), INSTRUMENT)]
 
 

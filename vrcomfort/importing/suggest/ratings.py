@@ -188,7 +188,9 @@ def time_column(table: SourceTable, columns: Sequence[int], known: Known) -> int
         if not headed or {*tokens(table.headings[c])} & (vocabulary.time_words | MINUTES)
         if rises(table, c)
     ]
-    return rising[0] if len(rising) == 1 or (rising and not headed) else None
+    if headed:  # the clock that begins anew with each exposure, beside that of the program
+        rising.sort(key=lambda c: max(values_of(table, c)))
+    return rising[0] if rising else None
 
 
 def rises(table: SourceTable, column: int) -> bool:
