@@ -157,3 +157,58 @@ def test_sums_differences_and_reversed_answers_are_no_questions(tmp_path: Path) 
     assert items == {*asked}
     made = json.dumps(["post_mean", "rise", "all", "calm_rev"])
     assert f"ignore = {made}" in found.text
+
+
+def test_codes_with_a_condition_before_their_questions_say_it(tmp_path: Path) -> None:
+    sus = [(item.name, item.text) for item in shipped_instruments()["sus"].items]
+    head = [f"SYS{c}[{name}]. Please rate this. [{text}]" for c in "AB" for name, text in sus]
+    head += [f"PREF{c}. How pleasant was it?" for c in "AB"]
+    rows: list[list[object]] = [["Participant code", *head]]
+    rows += [
+        [f"K{n}", *draw(n).choices(range(1, 6), k=20), n % 7 + 1, n * n % 7 + 1] for n in range(9)
+    ]
+    found = suggest_mapping([write(tmp_path / "x.csv", rows)])
+    said = {
+        (str(r[0]), c): r[1:][10 * p : 10 * p + 10] for r in rows[1:] for p, c in enumerate("ab")
+    }
+    assert answers(found, "sus") == said
+    assert answers(found, "own_questions")["K3", "b"] == [3]
+
+
+def test_a_clock_is_nobody_and_a_player_is_one(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["GameTime", "PlayerID", "Level", "EventType", "Payload"]]
+    for n in range(1, 7):
+        for c in ("Forest", "City"):
+            rows += [[float(len(rows)), n, c, "Teleport", "X=1"]]
+            rows += [
+                [f"{60 * n + 9:.1f}", n, c, f"VRSQ_{item}", answer]
+                for item, answer in zip(VRSQ, severity(n, c), strict=True)
+            ]
+    found = answers(suggest_mapping([write(tmp_path / "log.csv", rows)]), "vrsq")
+    assert found == {(str(n), c): severity(n, c) for n in range(1, 7) for c in ("Forest", "City")}
+
+
+def test_questions_of_answer_events_are_the_items_not_the_event(tmp_path: Path) -> None:
+    lines = []
+    for n in range(1, 9):
+        for c in "AB":
+            own = {"pid": f"P{n}", "cond": c}
+            lines.append({**own, "event": "start"})
+            lines += [
+                {**own, "event": "answer", "question": q, "value": draw(n, c, q).randint(1, 7)}
+                for q in ("comfort", "presence", "effort")
+            ]
+    file = tmp_path / "log.jsonl"
+    file.write_text("\n".join(map(json.dumps, lines)), encoding="utf-8")
+    found = answers(suggest_mapping([file]), "own_questions")
+    assert {c for _, c in found} == {"A", "B"}
+    assert len(found["P1", "A"]) == 3
+
+
+def test_a_total_over_all_moments_is_no_answer(tmp_path: Path) -> None:
+    head = [f"{t}_{item}" for t in ("pre", "post") for item in VRSQ]
+    rows: list[list[object]] = [["id", *head, "SC0"]]
+    for n in range(1, 13):
+        said = [*severity(n), *severity(n, "post")]
+        rows.append([f"P{n}", *said, sum(said)])
+    assert 'ignore = ["SC0"]' in suggest_mapping([write(tmp_path / "x.csv", rows)]).text

@@ -156,6 +156,8 @@ def _tells_people_apart(context: Context, column: int) -> bool:
     asked = {*tokens(table.headings[column])} & (context.vocabulary.item_labels | {"question"})
     if _counts_rows(context, column) or (asked and not named and not table.reading.transpose):
         return False  # QuestionId
+    if column == context.time or {*tokens(table.headings[column])} & context.vocabulary.time_words:
+        return False
     whole = all(value.is_integer() for value in values_of(table, column))
     if is_numeric(table, column) and (_are_ages(words) or not whole):
         return False

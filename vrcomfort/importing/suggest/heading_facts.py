@@ -145,10 +145,10 @@ def _lettered(
         words = {context[place] for context in contexts}
         stems = {word[:-1] for word in words}
         means = _ENDS.get(frozenset(word[-1] for word in words))
-        # Alone, a and b may be conditions: not where b comes first.
-        alone = stems == {""} and contexts[0][place] == next(iter(means or ""), None)
-        named = len(stems) == 1 and len(min(stems)) >= _LETTERS
-        if means and len(words) == 2 and (named or alone):
+        # a and b may be conditions: not where b comes first.
+        first = contexts[0][place][-1:] == next(iter(means or ""), None)
+        named = len(stems) == 1 and (len(min(stems)) >= _LETTERS or stems == {""})
+        if means and len(words) == 2 and named and first:
             shown = ", ".join(f"{word} {means[word[-1]]}" for word in sorted(words))
             found = [(*c[:place], means[c[place][-1]], *c[place + 1 :]) for c in contexts]
             question = f"Do {' and '.join(sorted(words))} say before and after exposure?"

@@ -128,7 +128,7 @@ def find_blocks(table: SourceTable, columns: Sequence[int], known: Known) -> lis
         found = _by_position(table, known, named, other | people)
     found = _with_letters(table, _with_weights(found), other, known.vocabulary)
     found = _without_gaps(table, found, other)
-    found = [replace(block, siblings=_siblings(block, found)) for block in found]
+    found = [replace(block, siblings=_siblings(block, found)) for block in _without_stems(found)]
     return sorted(found, key=lambda block: block.columns)
 
 
@@ -247,6 +247,19 @@ def _with_ends(
     before = low >= 0 and {*starts[low:left]} <= {starts[left]}
     after = high < len(starts) and {*starts[right + 1 : high + 1]} <= {starts[right]}
     return [*([(-1, low - 1)] if before else []), *known, *([(count, high + 1)] if after else [])]
+
+
+def _without_stems(found: Sequence[Found]) -> list[Found]:
+    """Return questionnaires with the letters alone by which codes before them differ: ``SYSA``."""
+    stems: dict[str, set[str]] = defaultdict(set)
+    for word in {word for block in found for word in block.context if len(word) > _LETTERS}:
+        stems[word[:-1]].add(word)
+    ends = {w: w[-1] for words in stems.values() if len(words) == len(found) > 1 for w in words}
+    return [replace(b, context=tuple(ends.get(w, w) for w in b.context)) for b in found]
+
+
+_LETTERS = 2
+"""Of a code before the letter of a condition."""
 
 
 def _siblings(block: Found, found: Sequence[Found]) -> tuple[int, ...]:

@@ -609,18 +609,19 @@ class OwnQuestions:
 
 
 def _glued(headings: Sequence[str], contexts: Sequence[Context]) -> dict[int, list[str]]:
-    """Return column → words of a heading to which an administration is glued: ``COMFA, COMFB``.
+    """Return column → its administration, and the words of a heading to whose code it is glued.
 
-    Each of the others has a heading with the same beginning.
+    ``COMFA, COMFB``, or ``COMFA. How comfortable?``: each of the others has such a heading.
     """
     found = {}
     there, words = {h.casefold() for h in headings}, {w for each in contexts for w in each}
-    for column, heading in enumerate(headings):
-        ends = [w for w in words if heading.casefold().endswith(w) and w not in tokens(heading)]
-        for stem, word in ((heading[: -len(end)], end) for end in ends):
-            met = {w for w in words if f"{stem}{w}".casefold() in there}
-            if len(met) > 1 and stem[-1:].isalpha() and all(met & {*each} for each in contexts):
-                found[column] = [*words_of(stem), word]
+    glued = re.compile(rf"([^\W\d]+?)({'|'.join(map(re.escape, words))})(\W.*|)", re.I | re.S)
+    for column, heading in enumerate(headings if len(words) > 1 else ()):
+        if match := glued.fullmatch(heading):
+            stem, end, rest = match.groups()
+            met = {w for w in words if f"{stem}{w}{rest}".casefold() in there}
+            if end not in tokens(heading) and all(met & {*each} for each in contexts):
+                found[column] = [end.casefold(), *(words_of(rest) or words_of(stem))]
     return found
 
 

@@ -137,7 +137,10 @@ def _columns_of_rows(
     items = [c for c in items if 1 < len(texts(table, c)) <= len(table.rows) // FEWEST_ANSWERS]
     if not items:
         return None, [], None
-    response = response_column(table, items[0], known.vocabulary)
+    # Of several, the one with most different texts in rows with an answer: question, not event.
+    answered = {c: response_column(table, c, known.vocabulary) for c in items}
+    items.sort(key=lambda c: -len({r[c] for r in table.rows if r[answered[c] or 0]}))
+    response = answered[items[0]]
     several = response_columns(table, items[0], known) if response is None else [response]
     return items[0], several, None
 

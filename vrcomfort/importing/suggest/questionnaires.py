@@ -418,6 +418,7 @@ def sum_of(
     if not words or not all(map(is_number, words)):
         return None
     values = _values(table, column)
+    every: dict[str, list[float | None]] = {}
     for block in blocks:
         answers = {
             table.headings[c]: _coded_values(table, c, block.instrument, known.vocabulary)
@@ -425,7 +426,8 @@ def sum_of(
         }
         if parts := parts_of(values, answers):
             return parts
-    return None
+        every |= answers
+    return parts_of(values, every) if len(blocks) > 1 else None
 
 
 def leftovers(

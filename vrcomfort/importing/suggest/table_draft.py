@@ -349,12 +349,17 @@ class TableDraft(SaidByHeadings):
         return len(self._answers[SCORES]) > 1 and bool({*scores.context} & self._vocabulary.totals)
 
     def _covariates(self, exposures: DraftedFacts) -> None:
-        if exposures.context.covariates:
-            names = {n: self.table.headings[c] for n, c in exposures.context.covariates.items()}
+        who, facts = exposures.context.participant, exposures.context.covariates
+        for name, column in [*facts.items()] if who is not None else ():
+            if column in self._roles.unknown and varies_within(self.every_row, column, who):
+                del facts[name]  # in rows without answers, a person has others
+                exposures.context.used.discard(column)
+        if facts:
+            names = {n: self.table.headings[c] for n, c in facts.items()}
             there = self.draft.values.get("participants", {})
             self.draft.put("participants", {**(there if isinstance(there, dict) else {}), **names})
-        if exposures.context.participant is not None:
-            self._asked_again(exposures.context.participant)
+        if who is not None:
+            self._asked_again(who)
 
     def _asked_again(self, column: int) -> None:
         """Ask whether ``5(2)`` is ``5`` again: it is where condition or moment tell rows apart."""
