@@ -14,6 +14,8 @@ from vrcomfort.questionnaire import plain
 
 _FEWEST = 4
 """Columns that a codebook explains at least."""
+_MOST_OF_PART = 12
+"""Rows that a codebook has for each part of a question: one for each answer."""
 _RANGE = re.compile(r"(\S+) ?(?:bis|to|through|thru|until|à|al|tot|[-–—…]|\.\.\.?) ?(\S+)")
 """The columns from one to another, in one row of a codebook."""
 _PAIR = re.compile(
@@ -88,9 +90,6 @@ def _explained(book: SourceTable, table: SourceTable) -> Iterator[tuple[str, lis
     if sidecar := _sidecar(book, places):
         yield from sidecar.items()
         return
-    if joined := [*_joined_codes(book, places)]:
-        yield from joined
-        return
     titles = [n for n, heading in enumerate(book.headings) if plain(heading) in _TITLES]
     for column in range(len(book.headings)):
         cells = [cell for cell in book.column(column) if cell]
@@ -108,6 +107,7 @@ def _explained(book: SourceTable, table: SourceTable) -> Iterator[tuple[str, lis
             for place in named.get(row[column], ()):
                 yield table.headings[place], others
         return
+    yield from _joined_codes(book, places)
 
 
 def _joined_codes(book: SourceTable, places: Mapping[str, int]) -> Iterator[tuple[str, list[str]]]:
@@ -116,7 +116,7 @@ def _joined_codes(book: SourceTable, places: Mapping[str, int]) -> Iterator[tupl
     for one, two in permutations(range(len(book.headings)), 2):
         names = [keys.get(plain(row[one] + row[two]), "") for row in book.rows]
         parts = {n for n, row in zip(names, book.rows, strict=True) if n and row[one] and row[two]}
-        if len(parts) >= _FEWEST:
+        if len(parts) >= _FEWEST and len(book.rows) <= len(parts) * _MOST_OF_PART:
             for name, row in zip(names, book.rows, strict=True):
                 if name:
                     yield name, [cell for n, cell in enumerate(row) if n not in {one, two}]
