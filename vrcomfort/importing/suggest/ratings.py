@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -188,9 +189,11 @@ def time_column(table: SourceTable, columns: Sequence[int], known: Known) -> int
         if not headed or {*tokens(table.headings[c])} & (vocabulary.time_words | MINUTES)
         if rises(table, c)
     ]
-    if headed:  # the clock that begins anew with each exposure, beside that of the program
+    clocks = {re.sub(r"\d", "", table.headings[c]) for c in rising}
+    if headed and len(clocks) == len(rising):  # that of the exposure begins anew in each
         rising.sort(key=lambda c: max(values_of(table, c)))
-    return rising[0] if rising else None
+    told_apart = len(clocks) == len(rising) or not headed
+    return rising[0] if rising and told_apart else None
 
 
 def rises(table: SourceTable, column: int) -> bool:
