@@ -13,8 +13,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import cached_property, reduce
 from itertools import pairwise
-from math import isnan, nan
-from statistics import fmean
+from math import nan
 
 import numpy as np
 
@@ -75,8 +74,8 @@ _ENDS = (
 _REPEATED = re.compile(r" \(\d+\)$")
 _NUMBERING = re.compile(r"^\d{1,2}[.)] +(?=\D)")
 _NUMBER_OF_ITEM = re.compile(r"(?<=[^\d])\d+$")
-_MOST_MEANT, _ROUNDED = 12, 0.051
-"""Questions of a mean at most, and how far it may be rounded."""
+_PARTS, _ROUNDED = (12, 8, 6, 5, 4, 3, 2), 0.051
+"""Questions before a mean or a sum of them, and how far it may be rounded."""
 _FEWEST_FAR = 10
 """Codes for no answer that no number on a usual scale is, as -1 may be."""
 _CLOCK = frozenset(["t", "time", "zeit"])
@@ -383,11 +382,7 @@ class OwnQuestions:
         scale = left.scale if left is not None else self._scales[column]
         whole = [c for c in others if c in self._scales and self._scales[c].step == 1]
         items = [c for c in whole if self._scales[c].usual[:2] == scale.usual[:2]]
-        among = left is None and len(items) >= _FEWEST_OF_BLOCK
-        if scale.step < 1 and (among or self._is_mean(column, whole)):
-            return True
-        beside = [c for c in others if c in self._left]
-        if left is not None and left.measured and scale.step < 1 and self._is_mean(column, beside):
+        if scale.step < 1 and left is None and len(items) >= _FEWEST_OF_BLOCK:
             return True
         fillers = self._vocabulary.scale_fillers | self._vocabulary.totals | {"mean", "avg"}
         given = tokens(self._table.headings[column])
@@ -400,29 +395,15 @@ class OwnQuestions:
     @cached_property
     def _computed(self) -> set[int]:
         """Return the columns that are sums, weighted or not, or the reverse, of those before."""
-        decimal, found, basis = self._table.decimal, set[int](), list[list[float]]()
+        decimal, found, basis = self._table.decimal, set[int](), list[np.ndarray]()
         for column in sorted({*self._scales, *self._left}):
             read = (number(cell, decimal) for cell in self._table.column(column))
-            values = [nan if value is None else value for value in read]
-            if _is_combination(values, basis[-_MOST_MEANT:]):
+            values = np.array([nan if value is None else value for value in read])
+            if any(_is_combination(values, basis[-n:]) for n in _PARTS):
                 found.add(column)
-            elif sum(map(isnan, values)) * FEWEST_ANSWERS < len(values):
+            elif np.isnan(values).sum() * FEWEST_ANSWERS < len(values):
                 basis.append(values)
         return found
-
-    def _is_mean(self, column: int, whole: Sequence[int]) -> bool:
-        """Return whether a column is the mean of a run of others, wherever these are answered."""
-        decimal = self._table.decimal
-        values = {c: [number(t, decimal) for t in self._table.column(c)] for c in (column, *whole)}
-        ends = range(2, 1 + len(whole))
-        for run in (whole[e - n : e] for e in ends for n in range(2, min(e, _MOST_MEANT) + 1)):
-            rows = zip(values[column], zip(*(values[c] for c in run), strict=True), strict=True)
-            known = [(m, parts) for m, parts in rows if m is not None and None not in parts]
-            if len(known) >= FEWEST_ANSWERS and all(
-                abs(m - fmean(p for p in parts if p is not None)) < _ROUNDED for m, parts in known
-            ):
-                return True
-        return False
 
     @cached_property
     def _series(self) -> set[int]:
@@ -625,21 +606,26 @@ def _glued(headings: Sequence[str], contexts: Sequence[Context]) -> dict[int, li
     return found
 
 
-def _is_combination(values: Sequence[float], others: Sequence[Sequence[float]]) -> bool:
+_ENOUGH = 200
+"""Rows that tell the weights of a sum."""
+
+
+def _is_combination(values: np.ndarray, others: Sequence[np.ndarray]) -> bool:
     """Return whether numbers are an exact sum of others, or the reverse of one of them.
 
     A sum has no negative weights unless it is a difference, which is below zero at times.
     """
-    cells = np.array([[1.0] * len(values), *others, values]).T
+    cells = np.column_stack([np.ones(len(values)), *others, values])
     cells = cells[~np.isnan(cells).any(axis=1)]
     if len(cells) < len(others) + FEWEST_ANSWERS or len({*cells[:, -1]}) < _FEWEST_STEPS:
         return False
-    weights, _, rank, _ = np.linalg.lstsq(cells[:, :-1], cells[:, -1])
-    if rank <= len(others) or np.abs(cells[:, :-1] @ weights - cells[:, -1]).max() > _ROUNDED:
+    weights, _, rank, _ = np.linalg.lstsq(cells[:_ENOUGH, :-1], cells[:_ENOUGH, -1])
+    rounded = min(_ROUNDED, cells[:, -1].std() / 10)
+    if rank <= len(others) or np.abs(cells[:, :-1] @ weights - cells[:, -1]).max() > rounded:
         return False
     parts = weights[1:][np.abs(weights[1:]) > _ROUNDED / 10]
     if len(parts) < 2:
-        return bool(np.allclose(parts, -1.0, atol=_ROUNDED))
+        return len({*cells[:, -1]}) > 2 and bool(np.isclose(parts, -1.0, atol=rounded).any())
     return bool((parts > 0).all() or cells[:, -1].min() < 0)
 
 
