@@ -397,8 +397,9 @@ class OwnQuestions:
         """Return the columns that are sums, weighted or not, or the reverse, of those before."""
         decimal, found, basis = self._table.decimal, set[int](), list[np.ndarray]()
         for column in sorted({*self._scales, *self._left}):
-            read = (number(cell, decimal) for cell in self._table.column(column))
-            values = np.array([nan if value is None else value for value in read])
+            read = {text: number(text, decimal) for text in texts(self._table, column)}
+            said = {text: value for text, value in read.items() if value is not None}
+            values = np.array([said.get(cell, nan) for cell in self._table.column(column)])
             if any(_is_combination(values, basis[-n:]) for n in _PARTS):
                 found.add(column)
             elif np.isnan(values).sum() * FEWEST_ANSWERS < len(values):
@@ -607,7 +608,7 @@ def _glued(headings: Sequence[str], contexts: Sequence[Context]) -> dict[int, li
 
 
 _ENOUGH = 200
-"""Rows that tell the weights of a sum."""
+"""Rows by which most columns are known to be no sum."""
 
 
 def _is_combination(values: np.ndarray, others: Sequence[np.ndarray]) -> bool:
@@ -615,11 +616,15 @@ def _is_combination(values: np.ndarray, others: Sequence[np.ndarray]) -> bool:
 
     A sum has no negative weights unless it is a difference, which is below zero at times.
     """
+    if len(values) > _ENOUGH and not _is_combination(
+        values[:_ENOUGH], [each[:_ENOUGH] for each in others]
+    ):
+        return False
     cells = np.column_stack([np.ones(len(values)), *others, values])
     cells = cells[~np.isnan(cells).any(axis=1)]
     if len(cells) < len(others) + FEWEST_ANSWERS or len({*cells[:, -1]}) < _FEWEST_STEPS:
         return False
-    weights, _, rank, _ = np.linalg.lstsq(cells[:_ENOUGH, :-1], cells[:_ENOUGH, -1])
+    weights, _, rank, _ = np.linalg.lstsq(cells[:, :-1], cells[:, -1])
     rounded = min(_ROUNDED, cells[:, -1].std() / 10)
     if rank <= len(others) or np.abs(cells[:, :-1] @ weights - cells[:, -1]).max() > rounded:
         return False
