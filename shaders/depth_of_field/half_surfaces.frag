@@ -15,6 +15,7 @@
 
 uniform eye_image finer;
 
+const float SHARED = 0.25;
 const float SHARP_WEIGHT = 0.001;  // of what is in focus, which has no part in a blur unless it is alone
 
 out vec4 surface;
@@ -49,8 +50,9 @@ void main() {
         farthest = max(farthest, texels[i].a);
         small = small || has_small(texels[i].a);
     }
-    // Surfaces that are both blurred behind the focus share a texel: thin ones would be lost.
-    float border = min(farthest - 1.5 * margin_px(farthest), 0.5);
+    // Surfaces that are both blurred behind the focus share a texel: thin ones would be lost. But what is much less
+    // blurred, and summed from pixels, would shine in the other's disc.
+    float border = min(farthest - 1.5 * margin_px(farthest), max(SHARED * farthest, 0.5));
     vec4 front = vec4(0.0), back = vec4(0.0);
     vec2 parts = vec2(0.0), coverage = vec2(0.0), light = vec2(0.0), most = vec2(SHARP_WEIGHT);
     for (int i = 0; i < 4; ++i) {

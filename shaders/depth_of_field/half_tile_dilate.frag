@@ -1,7 +1,7 @@
 #version 450 core
 // Lets every tile know how far discs of nearer things come to it.
 //
-// Input:  tiles (half_tiles.frag).
+// Input:  tiles (half_tiles.frag); widest: no RADIUS (px) of the image is larger.
 // Output: r = widest RADIUS of what is in front of the focus and reaches the tile, 0 for none (px of image
 //         width); g = widest of the tile, those beside it, and r; b = narrowest of what r is the widest of; a =
 //         class (include/tile_classes.glsl).
@@ -21,7 +21,7 @@ void main() {
     float own_px = max(-own.r, own.g);
     bool ends = false, small_beside = false;
     float front_px = 0.0, least_px = 1e4, widest_px = 0.0;
-    float most_px = max(pixel_aspect, 1.0) * MAX_RADIUS_PX + SLACK_PX;
+    float most_px = max(pixel_aspect, 1.0) * min(MAX_RADIUS_PX, texel_of(widest, ivec2(0)).r) + SLACK_PX;
     int around = int(most_px / float(TILE)) + 1;
     for (int y = -around; y <= around; ++y) {
         float row_px = gap_px(ivec2(0, y));

@@ -1,9 +1,9 @@
 #version 450 core
 // What is blurred how far in each tile, and whether surfaces end in it, from half an image.
 //
-// Input:  surfaces (half_surfaces.frag). TILE: side of a tile in its texels.
+// Input:  surfaces (half_surfaces.frag). TILE: side of a tile in its texels. WIDE_PX: RADIUS of what is wide.
 // Output: r, g = least and greatest signed RADIUS (px of image width), and of texels beside it where a surface
-//         ends; b = the greatest in front of the focus, -1e4 for none; a = HAS_SMALL and HAS_END
+//         ends; b = the greatest in front of the focus, -1e4 for none; a = HAS_SMALL, HAS_END, HAS_WIDE_END
 //         (tile_classes.glsl).
 #include "eyes.glsl"
 #include "half_coverage.glsl"
@@ -43,5 +43,6 @@ void main() {
             left = below[x] = radius;
         }
     }
-    range.a = float((small ? HAS_SMALL : 0) + (ends ? HAS_END : 0));
+    bool wide_ends = ends && range.r < -WIDE_PX;
+    range.a = float((small ? HAS_SMALL : 0) + (ends ? HAS_END : 0) + (wide_ends ? HAS_WIDE_END : 0));
 }

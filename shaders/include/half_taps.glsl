@@ -13,13 +13,20 @@ float gathered_part(Gathered soft, float wide) {
          : wide < 1.0 ? wide * soft.part * soft.part : soft.part > SOME ? 1.0 : 0.0;
 }
 
-// The mean over the disc of p: its centre and the ring have the second moment of a disc.
-vec3 mean_of_taps(vec4 p, bool wanted) {
-    const float STEP = 2.0 * PI / float(TAPS), FIRST = STEP * (TAPS > 6 ? 0.5 : 0.25);  // none along an axis
-    const mat2 TURN = mat2(cos(STEP), sin(STEP), -sin(STEP), cos(STEP));
+const float TURN_BY = 2.0 * PI / float(TAPS);
+const mat2 TURN = mat2(cos(TURN_BY), sin(TURN_BY), -sin(TURN_BY), cos(TURN_BY));
+
+// The first tap on the ring of a disc; its centre and the ring have the second moment of a disc.
+vec2 first_tap(float radius_px) {
+    const float FIRST = TURN_BY * (TAPS > 6 ? 0.5 : 0.25);  // none along an axis
     const float RING = sqrt(0.5 + 0.5 / float(TAPS));
+    return RING * sqrt(max(radius_px * radius_px - READ_PX2, 0.0)) * vec2(cos(FIRST), sin(FIRST));
+}
+
+// The mean over the disc of p.
+vec3 mean_of_taps(vec4 p, bool wanted) {
     vec2 size = vec2(size_of(colour_and_coc));
-    vec2 away = RING * sqrt(max(p.a * p.a - READ_PX2, 0.0)) * vec2(cos(FIRST), sin(FIRST));
+    vec2 away = first_tap(p.a);
     vec4 sum = vec4(p.rgb, 1.0);
     int taps = wanted ? TAPS : 0;
     for (int i = 0; i < taps; ++i) {

@@ -9,7 +9,9 @@
 const float NEAR_PX = 0.5;    // what is blurred less is sharp: no surface is continued in it
 // At 2.5 px the error of rims was larger (python -m bench.blur --set samples=36 --rounds 1). Narrower discs are
 // too wide at half resolution.
+#ifndef BEHIND_PX
 const float BEHIND_PX = 2.0;  // what is blurred more, in front of the focus, is not in the picture behind
+#endif
 const float FADES_PX = 0.1;    // of radius, in which a surface is taken over
 
 // Part of a pixel that is near, or may continue what is.

@@ -10,4 +10,6 @@ const int NEAR = 1;                     // the disc of something near comes here
 const int BEHIND = 2;                   // what lies behind something near is drawn
 // And what is in it before that, with 12 samples (half_tiles.frag): bits.
 const int HAS_SMALL = 1;                // a pixel is less blurred than SMALL_PX of half_surfaces.frag
-const int HAS_END = 2;                  // a surface ends
+const int HAS_END = 256;                // a surface ends: above LEVEL_BITS, as in coc_tile_min_max.frag
+const int HAS_WIDE_END = 512;           // and something near is blurred more than WIDE_PX
+const int HAS_ALL = 769;                // the last of those with it

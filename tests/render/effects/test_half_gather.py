@@ -5,11 +5,14 @@ import pytest
 from pydantic import ValidationError
 
 from tests.render.effects.test_optics import evaluate
-from tests.support.effects import depth_of_field
-from tests.support.kernels import blur
+from tests.support.effects import depth_of_field, texels_of
+from tests.support.kernels import blur, defocused
+from vrcomfort.gpu.shaders import constant
 from vrcomfort.optics import blur_kernels
 from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render.effects.depth_of_field.half_gather import HalfImage
 
+ENDS = "HAS_END", "HAS_WIDE_END"
 WIDTH, HEIGHT = 160, 96
 
 
@@ -82,6 +85,54 @@ def test_a_blurred_foreground_spreads_over_what_is_in_focus(ctx, radius_px):
     beside = (away > 0) & (away < 1.3)
     np.testing.assert_allclose(row[beside], covered[beside], atol=0.12)
     assert np.all(np.diff(row[beside]) < 0.03), "it falls"
+
+
+def test_a_small_near_disc_spreads_over_what_is_in_focus(ctx):
+    """Beside a white half plane of -1.6 px, by hand: taps at 0.75 (1.6^2 - 0.3)^0.5 = 1.127 px.
+
+    Half a pixel beyond the edge two are 1.041 px to the left, on the half plane: each is 1 of 9.
+    Two are 0.431 px to the left, between pixels, of which the left one has a share of 0.431 and a
+    radius of -0.690 px: they count 2 (0.690 - 0.5) / 1.1 = 0.345, with a light of 0.431.
+    """
+    rgb = np.zeros((HEIGHT, WIDTH, 3))
+    rgb[:, :80] = 1.0
+    radii = np.where(np.arange(WIDTH) < 80, -1.6, 0.0)[None].repeat(HEIGHT, 0)
+    lit = blur(ctx, "vrcomfort", rgb, radii, max_radius_px=16.0, samples=12).rgb.astype(float)
+    by_hand = (2 * 1.0 + 2 * 0.345 * 0.431) / 9
+    np.testing.assert_allclose(lit[40:56, 80], by_hand, atol=0.01)
+    assert (lit[:, 82:] == 0).all()
+
+
+def test_a_narrow_disc_behind_the_focus_does_not_shine_in_a_wide_one(ctx):
+    """A bright board of 6 px before a black wall of 40 px: its corner lies in odd texels."""
+    y, x = np.mgrid[:160, :160]
+    board = (x < 81) & (y < 81)
+    rgb = np.where(board, 5.0, 0.0)[..., None] * np.ones(3)
+    radii = np.where(board, 6.0, 40.0)
+    lit = blur(ctx, "vrcomfort", rgb, radii, max_radius_px=40.0, samples=12).rgb.astype(float)
+    beyond = np.hypot(np.maximum(x - 80, 0), np.maximum(y - 80, 0)) > 20
+    assert lit[beyond].max() <= 1 / 255
+
+
+def test_a_tile_says_whether_something_wide_ends_in_it(ctx):
+    """Tiles of 8 px, four of each with radii of -9, -7 and 9 px, one in focus, and one of -9 px.
+
+    What ends between two tiles counts to the left one.
+    """
+    bits = {name: int(constant("tile_classes.glsl", name)) for name in ENDS}
+    assert bits["HAS_END"] == 1 << int(constant("levels.glsl", "LEVEL_BITS")), "as near_rows.frag"
+    radii = np.zeros((8, 40))
+    radii[:, [0, 1, 2, 3]], radii[:, [8, 9, 10, 11]], radii[:, [16, 17, 18, 19]] = -9.0, -7.0, 9.0
+    radii[:, 32:] = -9.0
+    rgb = np.ones((*radii.shape, 3))
+    _, coc = defocused(ctx, rgb, radii, max_radius_px=16.0, samples=12)
+    image = HalfImage(coc)
+    image.find()
+    kinds = texels_of(image.tiles)[0, :, 3].astype(int)
+    found = {name: [bool(kind & bit) for kind in kinds] for name, bit in bits.items()}
+    assert found["HAS_WIDE_END"] == [True, False, False, True, False]
+    assert found["HAS_END"] == [True, True, True, True, False]
+    np.testing.assert_allclose(texels_of(image.reach[0]["widest"]), 9 * np.sqrt(2), rtol=0.02)
 
 
 @pytest.mark.parametrize("radius_px", [1.5, 2.8, 5.0, 9.0, 14.0])

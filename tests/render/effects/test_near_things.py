@@ -17,7 +17,7 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.passes import watched
 from vrcomfort.gpu.traffic import TrafficCounter
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
-from vrcomfort.render.effects.depth_of_field import effect
+from vrcomfort.render.effects.depth_of_field import effect, half_gather
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.tradeoff.brute_force import read_rgb
 
@@ -110,6 +110,7 @@ def in_three_ways(ctx, monkeypatch):
         ours = result(content, **settings)
         with monkeypatch.context() as patch:
             patch.setattr(effect, "BEHIND_PX", 1e9)
+            patch.setattr(half_gather, "BEHIND_PX", 1e9)
             alone = result(content, **settings)
         return ours, alone, through_the_lens(content)
 
@@ -123,9 +124,20 @@ def rms(image):
 def test_what_a_near_bar_hides_is_what_the_lens_sees(in_three_ways):
     """Of the error inside the bar's disc less than half is left."""
     content, near = bar_before_stripes(), np.s_[20:-20, 48:82]
-    for samples in (16, 36, 96):
+    for samples in (12, 16, 36, 96):
         ours, alone, true = (each[near] for each in in_three_ways(content, samples=samples))
         assert rms(ours - true) < 0.5 * rms(alone - true), samples
+
+
+@pytest.mark.parametrize(("near_m", "wide"), [(0.5, True), (0.56, True), (0.58, False)])
+def test_twelve_samples_draw_what_only_wide_discs_hide(ctx, near_m, wide):
+    """Of a radius of 9.6 px, 8.2 px and 7.8 px: from 8 px on."""
+    image, passes = drawn(ctx, bar_before_stripes(near_m), condition(samples=12))
+    assert ("depth_of_field/near_depth.frag" in passes) == wide
+    apart = {name for name in passes if "near_" in name}
+    assert bool(apart) == wide, "without wide discs nothing is looked for"
+    unwatched = drawn(ctx, bar_before_stripes(near_m), condition(samples=12), watch=False)[0]
+    np.testing.assert_array_equal(unwatched["linear"], image["linear"])
 
 
 def test_what_lies_close_behind_a_near_surface_goes_on_from_it(ctx):

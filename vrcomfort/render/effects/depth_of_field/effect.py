@@ -22,6 +22,7 @@ from vrcomfort.gpu.passes import AnyTexture
 from vrcomfort.optics.lens_sampling import FEW, view_points, view_radius
 from vrcomfort.protocol.conditions import Condition, DepthOfField
 from vrcomfort.render.camera import Lens
+from vrcomfort.render.effects.depth_of_field import half_gather
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses, aspects
 from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
 from vrcomfort.render.effects.depth_of_field.layered_gather import (
@@ -30,7 +31,7 @@ from vrcomfort.render.effects.depth_of_field.layered_gather import (
     is_layered,
 )
 from vrcomfort.render.effects.depth_of_field.lens_radius import lens, radius_per_dioptre_px
-from vrcomfort.render.effects.depth_of_field.near_things import BEHIND_PX, NearThings
+from vrcomfort.render.effects.depth_of_field.near_things import BEHIND_PX, CocTiles, NearThings
 from vrcomfort.render.effects.effect import EffectInputs, EffectPass, EyeFrame, RegisteredEffect
 from vrcomfort.scene.data import Scene
 
@@ -75,16 +76,27 @@ class DepthOfFieldPass(EffectPass):
         self._slices_m = settings.slices_m if settings.kernel == "mip_slices" else None
         self._coc = CocPasses(inputs)
         self._near: NearThings | None = None
-        ours = is_layered(settings) and settings.views == 1
-        if ours and inputs.scene is not None and self._coc.max_radius_px > BEHIND_PX:
-            self._near = near = NearThings(inputs.ctx, self._coc, inputs.scene)
-            kernel = LayeredGatherKernel(self._coc, settings, near.cut, near.blurred)
-            self._kernel: BlurKernel = kernel
-            self._warm_up = [near.warm_up, kernel.warm_up]
-        else:
-            self._kernel = make_kernel(self._coc, settings)
-            self._warm_up = []
+        self._warm_up: list[Callable[[], None]] = []
+        self._kernel = self._kernel_with_near(inputs) or make_kernel(self._coc, settings)
         self.target = self._kernel.target
+
+    def _kernel_with_near(self, inputs: EffectInputs) -> BlurKernel | None:
+        """Return ours where near things are drawn apart, with `_near`; else None."""
+        coc, settings = self._coc, inputs.settings
+        layered = is_layered(settings)
+        behind_px = BEHIND_PX if layered else half_gather.BEHIND_PX
+        ours = settings.kernel == "vrcomfort" and settings.views == 1
+        if not ours or inputs.scene is None or coc.max_radius_px <= behind_px:
+            return None
+        if layered:
+            self._near = near = NearThings(inputs.ctx, coc, inputs.scene, CocTiles(coc), cuts=True)
+            kernel = LayeredGatherKernel(coc, settings, near.cut, near.blurred)
+            self._warm_up = [near.warm_up, kernel.warm_up]
+            return kernel
+        image = half_gather.HalfImage(coc)
+        self._near = near = NearThings(inputs.ctx, coc, inputs.scene, image, cuts=False)
+        self._warm_up = [near.warm_up]
+        return half_gather.HalfGatherKernel(coc, image, near.blurred)
 
     @property
     def draws_behind(self) -> bool:

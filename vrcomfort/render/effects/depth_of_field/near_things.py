@@ -9,8 +9,10 @@ all of it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from math import floor
-from typing import Any
+from typing import Any, Protocol
 
 import moderngl
 import numpy as np
@@ -31,12 +33,69 @@ from vrcomfort.render.effects.depth_of_field.layered_gather import CutLamps, of_
 from vrcomfort.render.scene_pass import ScenePass
 
 BEHIND_PX = shaders.constant("near.glsl", "BEHIND_PX")
-"""Without wider discs nothing is drawn apart."""
+"""Without wider discs nothing is drawn apart, unless `Looked` says otherwise."""
 
 SILHOUETTE = 3.0
 """Farther from a silhouette, in radii of its disc, a near thing is not drawn apart."""
 
 _BEHIND = shaders.constant("tile_classes.glsl", "BEHIND")
+
+
+class LookedThrough(Protocol):
+    """Tiles in which near things are looked for."""
+
+    behind_px: float
+    """Nothing is drawn apart that is blurred less."""
+    has_classified: bool
+    """Whether the last :meth:`look` did, where someone watches."""
+
+    @property
+    def tiles(self) -> AnyTexture:
+        """As ``near_rows.frag`` reads them."""
+
+    @property
+    def reach(self) -> tuple[dict[str, AnyTexture], dict[str, Any]]:
+        """Inputs and defines of ``include/tile_dilate.glsl``."""
+
+    def look(self, classify: Callable[[], None]) -> None:
+        """Find the tiles of the last eyes, and classify them where anything may be behind."""
+
+    def again(self, classes: AnyTexture) -> list[Callable[[], None]]:
+        """Return what finds tiles anew where what is behind was drawn; the first draws there."""
+
+
+class CocTiles:
+    """Those that depth and focus give: ``coc_tile_min_max.frag``."""
+
+    behind_px = BEHIND_PX
+    has_classified = True
+
+    def __init__(self, coc: CocPasses) -> None:
+        self._coc = coc
+        self.tiles, self.reach = coc.tile_min_max, coc.reach
+
+    def look(self, classify: Callable[[], None]) -> None:
+        """Classify them: `CocPasses` has found them."""
+        classify()
+
+    def again(self, classes: AnyTexture) -> list[Callable[[], None]]:
+        """Return what finds them by the image."""
+        coc, colour = self._coc, self._coc.colour_and_coc
+        found = coc.make_pass(
+            "coc_tile_min_max",
+            {"colour_and_coc": colour, "dilated": classes},
+            texel_px=coc.tile_px,
+            defines={
+                **coc.level_defines,
+                **of_class("BEHIND", 1, beside=1),
+                "TILE": coc.tile_px,
+                "FROM_ALPHA": 1,
+            },
+            target=self.tiles,
+            reach_px={"colour_and_coc": 2.0, "dilated": DRAWN},
+            **on_tiles(classes),
+        )
+        return [found.render]
 
 
 class NearThings:
@@ -46,6 +105,10 @@ class NearThings:
     ----------
     scene
         What has drawn `coc`'s colours and depths; its depth and velocity stay those of near things.
+    looked
+        Where near things are looked for.
+    cuts
+        Whether :attr:`cut` is wanted.
     """
 
     def __init__(
@@ -53,8 +116,12 @@ class NearThings:
         ctx: moderngl.Context,
         coc: CocPasses,
         scene: ScenePass,
+        looked: LookedThrough,
+        *,
+        cuts: bool,
     ) -> None:
-        self._ctx, self._coc, self._scene = ctx, coc, scene
+        self._ctx, self._coc, self._scene, self._looked = ctx, coc, scene, looked
+        self._behind = {"BEHIND_PX": looked.behind_px} if looked.behind_px != BEHIND_PX else {}
         colour = coc.colour_and_coc
         self._tiles = self._tile_passes()
         self._classes = self._tiles[-1].target
@@ -87,28 +154,18 @@ class NearThings:
             reach_px={"colour": DRAWN, "depth": DRAWN, "dilated": DRAWN},
             **on_tiles(self._classes),
         )
-        self._again = coc.make_pass(
-            "coc_tile_min_max",
-            {"colour_and_coc": colour, "dilated": self._classes},
-            texel_px=coc.tile_px,
-            defines={
-                **coc.level_defines,
-                **of_class("BEHIND", 1, beside=1),
-                "TILE": coc.tile_px,
-                "FROM_ALPHA": 1,
-            },
-            target=coc.tile_min_max,
-            reach_px={"colour_and_coc": 2.0, "dilated": DRAWN},
-            **on_tiles(self._classes),
-        )
+        self._again = looked.again(self._classes)
         self._gather = self._gather_pass()
-        self._lamps, self._cut_tiles = self._lamp_passes()
-        self._uncut = gl.framebuffer(ctx, [self._cut_tiles.target])
-        self._clear_cut = passes.clear([self._cut_tiles.target])
-        finest = self._layers[0].targets
-        read = {"near": self._gather.target, "near_light": finest[0], "near_radius": finest[2]}
-        self.cut = CutLamps(self._cut_tiles.target, read, self._if_any)
+        self.cut: CutLamps | None = None
         """What the kernel cuts the discs of lamps behind the focus by."""
+        if cuts:
+            self._lamps, cut_tiles = self._lamp_passes()
+            self._cut_tiles, tiles = cut_tiles, cut_tiles.target
+            self._uncut = gl.framebuffer(ctx, [tiles])
+            self._clear_cut = passes.clear([tiles])
+            finest = self._layers[0].targets
+            read = {"near": self._gather.target, "near_light": finest[0], "near_radius": finest[2]}
+            self.cut = CutLamps(tiles, read, self._if_any)
         self._over = coc.make_pass(
             "near_over",
             {"near": self._gather.target, "dilated": self._classes, **self._of_eye},
@@ -122,14 +179,12 @@ class NearThings:
 
     def draw_behind(self, pixel_aspect: PixelAspect) -> None:
         """Draw what is behind the near things of the last eyes, whose radii are known."""
-        rows, tiles = self._tiles
-        rows.render(pixel_aspect_of_eye=pixel_aspect)
-        tiles.render(pixel_aspect_of_eye=pixel_aspect)
-        self._if_any.ask(self._again.render)
+        self._looked.look(partial(self._classify, pixel_aspect))
         self._if_any.run(self._draw_next)
         self._if_more.run(self._draw_last)
-        self._if_any.run(self._again.render)
-        self._clear_cut.run(self._uncut.clear)
+        self._if_any.run(self._find_again)
+        if self.cut is not None:
+            self._clear_cut.run(self._uncut.clear)
         self._if_any.run(self._draw_near, pixel_aspect)
 
     def draw_over(self) -> None:
@@ -140,20 +195,31 @@ class NearThings:
         """Draw once what frames without near things skip."""
         self._draw_next()
         self._draw_last()
-        self._again.render()
+        self._find_again()
         self._draw_near(of_each([1.0] * self._coc.eyes))
         self._over.render()
 
+    def _classify(self, pixel_aspect: PixelAspect) -> None:
+        for each in self._tiles:
+            each.render(pixel_aspect_of_eye=pixel_aspect)
+        self._if_any.ask(self._again[0])
+
+    def _find_again(self) -> None:
+        for each in self._again:
+            each()
+
     def _any_behind(self) -> bool:
-        return bool(self._is_behind().any())
+        return self._looked.has_classified and bool(self._is_behind().any())
 
     def _any_more(self) -> bool:
         """Whether something near is behind something near."""
         coc, colour, tile_px = self._coc, self._coc.colour_and_coc, self._coc.tile_px
         width, height = coc.size_px
         radii = np.frombuffer(colour.read(), np.float16)[3::4].reshape(-1, height, width)
+        if not self._any_behind():
+            return False
         behind = self._is_behind().repeat(tile_px, axis=1).repeat(tile_px, axis=2)
-        return bool((radii[behind[:, :height, :width]] <= -BEHIND_PX).any())
+        return bool((radii[behind[:, :height, :width]] <= -self._looked.behind_px).any())
 
     def _is_behind(self) -> NDArray[np.bool_]:
         columns, rows = gl.size_px_of(self._classes)
@@ -179,8 +245,9 @@ class NearThings:
         if self._most is not None:
             self._most.render()
         self._gather.render(pixel_aspect_of_eye=pixel_aspect)
-        self._lamps.render()
-        self._cut_tiles.render(pixel_aspect_of_eye=pixel_aspect)
+        if self.cut is not None:
+            self._lamps.render()
+            self._cut_tiles.render(pixel_aspect_of_eye=pixel_aspect)
 
     def _open_pass(
         self,
@@ -195,7 +262,8 @@ class NearThings:
             "colour_and_coc": coc.colour_and_coc,
             "limit": self._limit.target,
         }
-        defines = {"TILE": coc.tile_px, **of_class("BEHIND", coc.tile_px, beside=0)}
+        defines = {**self._behind, "TILE": coc.tile_px}
+        defines |= of_class("BEHIND", coc.tile_px, beside=0)
         if seen is not None:
             inputs["depth"], defines["NEXT"] = seen, 1
         return coc.make_pass(
@@ -214,12 +282,12 @@ class NearThings:
         )
 
     def _tile_passes(self) -> tuple[FullscreenPass, FullscreenPass]:
-        coc, (inputs, defines) = self._coc, self._coc.reach
+        coc, (inputs, defines) = self._coc, self._looked.reach
         # Nothing is drawn apart from here on (near_tiles.frag); what is as far is not looked at.
         away_tiles = floor(SILHOUETTE * coc.max_radius_px / coc.tile_px) + 4
-        away = {**coc.level_defines, **defines, "AWAY": float(away_tiles)}
+        away = {**coc.level_defines, **defines, **self._behind, "AWAY": float(away_tiles)}
         reach_px = float((away_tiles - 1) * coc.tile_px)
-        tiles = {"tiles": coc.tile_min_max, **inputs}
+        tiles = {"tiles": self._looked.tiles, **inputs}
         rows = coc.make_pass(
             "near_rows",
             tiles,
@@ -238,7 +306,7 @@ class NearThings:
 
     def _limit_pass(self) -> FullscreenPass:
         coc, radii = self._coc, self._coc.depth_to_coc
-        columns, rows = gl.size_px_of(coc.tile_min_max)
+        columns, rows = gl.size_px_of(self._classes)
         size_px = columns + 1, rows + 1
         made = FullscreenPass(
             self._ctx,
@@ -246,7 +314,7 @@ class NearThings:
             size_px=size_px,
             inputs=radii.inputs,
             constants={"size_px": coc.size_px},
-            defines={**radii.defines, "TILE": coc.tile_px},
+            defines={**radii.defines, **self._behind, "TILE": coc.tile_px},
             target=gl.eye_texture(self._ctx, size_px, coc.eyes, components=1, dtype="f4"),
         )
         made.target.filter = (moderngl.LINEAR, moderngl.LINEAR)
@@ -262,12 +330,12 @@ class NearThings:
             "next_depth": next_depth,
             **coc.depth_to_coc.inputs,
         }
-        defines = {**coc.depth_to_coc.defines, "FROM_PIXELS": 1}
+        defines = {**coc.depth_to_coc.defines, **self._behind, "FROM_PIXELS": 1}
         found: list[FullscreenPass] = []
         for level in range(1, max(int(coc.level_defines["LEVELS"]), 2)):
             if found:
                 *light, radius = found[-1].targets
-                inputs, defines = {"light": light, "radius": radius}, {}
+                inputs, defines = {"light": light, "radius": radius}, self._behind
             found.append(
                 coc.make_pass(
                     "near_layer",
@@ -324,6 +392,7 @@ class NearThings:
                 **coc.level_defines,
                 "NEAR_LEVELS": len(self._layers),
                 "EACH_NEAR_LEVEL(f)": each_level(1, len(self._layers) + 1),
+                **self._behind,
                 **of_class("NEAR", coc.tile_px // 2, beside=1),
                 **self._near(),
             },
