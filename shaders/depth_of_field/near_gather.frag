@@ -41,6 +41,7 @@ vec4 behind = vec4(0.0);       // of the surface behind it
 vec4 nearer_only = vec4(0.0);  // of what is nearer than p
 vec4 farther_only = vec4(0.0); // of what is farther
 vec4 all = vec4(0.0), all_behind = vec4(0.0);  // of all that is near
+float own_behind = 0.0;        // of p's surface, what is the surface behind it, which goes on from it
 
 // How the radius of p's surface grows: the lesser of the steps to both sides, per pixel.
 float step_to(ivec2 to) {
@@ -113,7 +114,7 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
     ivec2 last = size_of(light_of) - 1;
     vec4 found = vec4(0.0), found_behind = vec4(0.0);
     vec4 over = vec4(0.0), over_nearer = vec4(0.0), over_farther = vec4(0.0), over_behind = vec4(0.0);
-    float seen = 0.0, seen_behind = 0.0;
+    float seen = 0.0, seen_behind = 0.0, found_both = 0.0;
     for (int y = int(ceil(place.y - rows)); y <= top; ++y) {
         float row = (float(y) - place.y) / pixel_aspect;
         float cells = sqrt(max(reach * reach - row * row, 0.0));
@@ -141,8 +142,11 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
                 over_nearer += is_nearer * comes_here;
                 float last_px = p_behind.a > 0.0 ? radius_behind : own_px;
                 over_farther += farther(last_px, q_px) * comes_here;
-                found += (1.0 - is_nearer - is_farther) * share * q;
-                found_behind += (1.0 - beside - farther(radius_behind, q_px)) * share_behind * q;
+                vec4 as_own = (1.0 - is_nearer - is_farther) * share * q;
+                float as_behind = 1.0 - beside - farther(radius_behind, q_px);
+                found += as_own;
+                found_both += as_behind * as_own.a;
+                found_behind += as_behind * share_behind * q;
                 vec4 q2 = texel_of(light_2_of, at);
                 float hidden = (is_nearer - far_before) * q.a, hidden_behind = (beside - far_beside) * q.a;
                 if (q2.a > 0.0) {
@@ -157,10 +161,12 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
                     over_farther += farther(last_px, q2_px) * comes_2;
                     float visible = min(1.0 - q.a, q2.a) / max(q2.a, 1e-4);
                     float same = 1.0 - nearer(own_px, q2_px) - farther(own_px, q2_px);
-                    found += mix(visible, 1.0, far_before) * same * share * q2;
+                    vec4 as_own_2 = mix(visible, 1.0, far_before) * same * share * q2;
+                    found += as_own_2;
                     hidden += far_before * nearer(own_px, q2_px) * q2.a;
                     float beside_2 = nearer(radius_behind, q2_px);
                     float same_2 = 1.0 - beside_2 - farther(radius_behind, q2_px);
+                    found_both += same_2 * as_own_2.a;
                     found_behind += mix(visible, 1.0 - hides_lamp, far_beside) * same_2 * share_behind * q2;
                     hidden_behind += far_beside * (beside_2 + hides_lamp * same_2) * q2.a;
                 }
@@ -170,6 +176,7 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
         }
     }
     own += own_part > 0.0 && seen > 1e-5 ? own_part * found / seen : vec4(0.0);
+    own_behind += own_part > 0.0 && seen > 1e-5 ? own_part * found_both / seen : 0.0;
     behind += behind_part > 0.0 && seen_behind > 1e-5 ? behind_part * found_behind / seen_behind : vec4(0.0);
     all += over / (PI * pixel_aspect);
     nearer_only += over_nearer / (PI * pixel_aspect);
@@ -207,6 +214,11 @@ vec4 past(vec4 front, vec4 back) {
 void main() {
 #define GATHER(level) gather(light[level - 1], light_2[level - 1], radius[level - 1], level);
     EACH_NEAR_LEVEL(GATHER)
-    vec4 near = upon(upon(limited(nearer_only), limited(own)), limited(behind));
-    over_all = min(mix(past(limited(all), all_behind), past(near, farther_only), part_apart()), HALF_MAX);
+    own /= max(own.a, 1.0);
+    vec4 back = limited(behind);
+    // Of the surface behind, what is beside p's in the texel may be in both: it counts once.
+    float twice = own_behind * min(1.0 - p.a, p_behind.a) / max(p_behind.a, 1e-4);
+    vec4 both = own + max(1.0 - own.a - twice * (1.0 / max(back.a, 1e-4) - 1.0), 0.0) * back;
+    over_all = min(mix(past(limited(all), all_behind), past(upon(limited(nearer_only), both), farther_only), part_apart()),
+                   HALF_MAX);
 }

@@ -179,6 +179,26 @@ def test_nothing_shines_through_where_two_near_boards_overlap(ctx, samples, slop
     np.testing.assert_allclose(found, 0.2, atol=0.02)
 
 
+@pytest.mark.parametrize("samples", [16, 36, 96])
+def test_no_line_stands_between_two_near_boards_at_like_distances(ctx, samples):
+    """Radii are 12 and 10 px: a texel with both has the farther one as the nearer's continuation.
+
+    Both are dark and end in one row, where each half hides the bright wall: a line of both would
+    hide three quarters.
+    """
+    boards = [
+        mesh([(x, y, -1.0) for x, y in ((left, 0), (9, 0), (9, 9), (left, 9))], [0, 1, 2, 0, 2, 3])
+        for left in (1 / (SIZE_PX[0] / 2), -9)
+    ]
+    scales = [1 / (1 / FOCUS_M + radius_px / 6.4) for radius_px in (12, 10)]
+    nodes = [at(0, 0, 0, mesh=(i,), scale=np.full(3, scale)) for i, scale in enumerate(scales)]
+    shine = [glowing((light,) * 3, double_sided=True) for light in (0.0, 1.0)]
+    content = scene([*nodes, at(0, 0, -FOCUS_M, mesh=(2,))], [*boards, wall(40, 1)], shine)
+    found = drawn(ctx, content, condition(samples=samples), watch=False)[0]["linear"]
+    row = found[SIZE_PX[1] // 2 - 1 : SIZE_PX[1] // 2 + 1, 30:-30].mean(axis=(0, 2))
+    np.testing.assert_allclose(row, 0.5, atol=0.03)
+
+
 def test_no_second_outline_stands_inside_a_blurred_bar(in_three_ways):
     """The contrast of rows behind it goes on as through a lens where the bar itself begins."""
     ours, alone, true = (
