@@ -13,7 +13,7 @@ uniform float pixel_aspect_of_eye[EYES];
 float pixel_aspect = pixel_aspect_of_eye[EYE];
 uniform eye_image colour_and_coc;
 
-#define TAPS 6
+#define TAPS 5
 #define COUNTS(q) 1.0
 #include "half_taps.glsl"
 

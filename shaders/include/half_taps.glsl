@@ -18,7 +18,7 @@ const mat2 TURN = mat2(cos(TURN_BY), sin(TURN_BY), -sin(TURN_BY), cos(TURN_BY));
 
 // The first tap on the ring of a disc; its centre and the ring have the second moment of a disc.
 vec2 first_tap(float radius_px) {
-    const float FIRST = TURN_BY * (TAPS > 6 ? 0.5 : 0.25);  // none along an axis
+    const float FIRST = TURN_BY * (TAPS % 2 == 0 ? 0.5 : 0.125);  // none along an axis
     const float RING = sqrt(0.5 + 0.5 / float(TAPS));
     return RING * sqrt(max(radius_px * radius_px - READ_PX2, 0.0)) * vec2(cos(FIRST), sin(FIRST));
 }
