@@ -10,6 +10,7 @@
 #include "eyes.glsl"
 #include "coc.glsl"
 #include "near.glsl"
+#include "where.glsl"
 #ifdef FROM_PIXELS
 #include "coc_of_depth.glsl"
 #include "finite.glsl"
@@ -67,41 +68,62 @@ float radius_in(vec2 sum, vec2 foremost) {
 #endif
 }
 
+// Of two surfaces, each what is added up.
+struct Sum {
+    vec4 light;
+    vec2 all;       // radius and coverage
+    vec2 foremost;  // and of the foremost surface
+};
+
+Sum added(Sum sum, bool wanted, int k, float part, float foremost) {
+    vec2 both = wanted ? part * vec2(radii[k], lights[k].a) : vec2(0.0);
+    bool is_foremost = radius_of(k) - foremost < 2.0 * margin_px(foremost);
+    return Sum(sum.light + (wanted ? part * lights[k] : vec4(0.0)), sum.all + both,
+               sum.foremost + (is_foremost ? both : vec2(0.0)));
+}
+
+void gather_surfaces() {
+    float nearest = 0.0, farthest = -1e4;
+    for (int k = 0; k < 8; ++k) {
+        nearest = min(nearest, radius_of(k));
+        farthest = lights[k].a > 0.0 ? max(farthest, radius_of(k)) : farthest;
+    }
+    // Which are one surface, gather as one.
+    float between = farthest - nearest > 2.0 * margin_px(nearest) ? 0.5 * (nearest + farthest) : 0.0;
+    float foremost = 0.0;
+    for (int k = 0; k < 8; ++k)
+        foremost = is_nearer(k, between) ? foremost : min(foremost, radius_of(k));
+    Sum front = Sum(vec4(0.0), vec2(0.0), vec2(0.0)), back = front;
+    for (int i = 0; i < 4; ++i) {
+        vec2 covered = vec2(0.0);
+        for (int k = 2 * i; k < 2 * i + 2; ++k) {
+            bool is_front = is_nearer(k, between);
+            float free = max(1.0 - (is_front ? covered.x : covered.y), 0.0);
+            float part = lights[k].a > 0.0 ? 0.25 * min(1.0, free / lights[k].a) : 0.0;
+            covered += lights[k].a * (is_front ? vec2(1.0, 0.0) : vec2(0.0, 1.0));
+            front = added(front, is_front, k, part, nearest);
+            back = added(back, !is_front, k, part, foremost);
+        }
+    }
+    nearer_light = front.light;
+    farther_light = back.light;
+    radius_of_both = vec2(radius_in(front.all, front.foremost), radius_in(back.all, back.foremost));
+}
+
 void main() {
 #ifdef FROM_PIXELS
     ivec2 last = size_of(finer) - 1;
 #else
     ivec2 last = size_of(light[0]) - 1;
 #endif
-    float nearest = 0.0, farthest = -1e4;
+    nearer_light = farther_light = vec4(0.0);
+    radius_of_both = vec2(0.0);
+    float most = 0.0;
     for (int i = 0; i < 4; ++i) {
         read(i, min(2 * ivec2(gl_FragCoord.xy) + ivec2(i & 1, i >> 1), last));
-        for (int k = 2 * i; k < 2 * i + 2; ++k) {
-            nearest = min(nearest, radius_of(k));
-            farthest = lights[k].a > 0.0 ? max(farthest, radius_of(k)) : farthest;
-        }
+        most = max(most, max(lights[2 * i].a, lights[2 * i + 1].a));
     }
-    // Which are one surface, gather as one.
-    float between = farthest - nearest > 2.0 * margin_px(nearest) ? 0.5 * (nearest + farthest) : 0.0;
-    vec2 foremost = vec2(nearest, 0.0);
-    for (int k = 0; k < 8; ++k)
-        foremost.y = is_nearer(k, between) ? foremost.y : min(foremost.y, radius_of(k));
-    vec4 found[2] = vec4[2](vec4(0.0), vec4(0.0));
-    vec2 sums[2] = vec2[2](vec2(0.0), vec2(0.0));          // radius and coverage, of all
-    vec2 sums_foremost[2] = vec2[2](vec2(0.0), vec2(0.0)); // and of the foremost surface
-    for (int i = 0; i < 4; ++i) {
-        vec2 covered = vec2(0.0);
-        for (int k = 2 * i; k < 2 * i + 2; ++k) {
-            int which = is_nearer(k, between) ? 0 : 1;
-            float part = lights[k].a > 0.0 ? 0.25 * min(1.0, max(1.0 - covered[which], 0.0) / lights[k].a) : 0.0;
-            covered[which] += lights[k].a;
-            found[which] += part * lights[k];
-            vec2 sum = part * vec2(radii[k], lights[k].a);
-            sums[which] += sum;
-            sums_foremost[which] += radius_of(k) - foremost[which] < 2.0 * margin_px(foremost[which]) ? sum : vec2(0.0);
-        }
+    WHERE (most > 0.0) {
+        gather_surfaces();
     }
-    nearer_light = found[0];
-    farther_light = found[1];
-    radius_of_both = vec2(radius_in(sums[0], sums_foremost[0]), radius_in(sums[1], sums_foremost[1]));
 }

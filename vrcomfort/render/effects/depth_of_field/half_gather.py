@@ -29,7 +29,7 @@ SLACK_PX = 4.0
 discs are expected to come."""
 
 BEHIND_PX = 8.0
-"""What is blurred more, in front of the focus, is drawn apart: it takes half a plain frame."""
+"""What is blurred more, in front of the focus, is drawn apart, at up to half a plain frame."""
 
 _SMALL = {"SMALL_FROM_PX": blur_kernels.SMALL_FROM_PX, "SMALL_PX": blur_kernels.SMALL_PX}
 

@@ -213,11 +213,11 @@ class NearThings:
 
     def _any_more(self) -> bool:
         """Whether something near is behind something near."""
+        if not self._any_behind():
+            return False
         coc, colour, tile_px = self._coc, self._coc.colour_and_coc, self._coc.tile_px
         width, height = coc.size_px
         radii = np.frombuffer(colour.read(), np.float16)[3::4].reshape(-1, height, width)
-        if not self._any_behind():
-            return False
         behind = self._is_behind().repeat(tile_px, axis=1).repeat(tile_px, axis=2)
         return bool((radii[behind[:, :height, :width]] <= -self._looked.behind_px).any())
 
