@@ -819,3 +819,13 @@ def test_remarks_among_numbers_are_no_answers_and_a_person_can_agree(tmp_path: P
     }
     assert given == {"the_system_is_useful": 1, "edges": 1, "minutes": 11}
     assert len(answers(found, "edges")) == 40
+
+
+def test_a_sum_of_measurements_is_left_out_with_a_doubt(tmp_path: Path) -> None:
+    heads = ["ID", "Condition", "clicks left", "clicks right", "clicks", "ease"]
+    rows = [
+        [f"P{n // 2}", "ab"[n % 2], a := n * 5 % 9, b := n * 7 % 8, a + b, 1 + n * 3 % 7]
+        for n in range(24)
+    ]
+    found = suggest_mapping([write(tmp_path / "log.csv", [heads, *rows])])
+    assert "May 'clicks' be left out (an exact sum" in found.text

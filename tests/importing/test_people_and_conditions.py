@@ -513,6 +513,21 @@ def test_what_people_are_asked_of_themselves_is_no_condition(tmp_path: Path) -> 
     assert of(suggest_mapping([write(tmp_path / "form.csv", rows)])).conditions == ["all"]
 
 
+def test_a_group_that_people_are_asked_for_is_the_condition(tmp_path: Path) -> None:
+    for heading in ("What is your group?", "Which version were you assigned to?"):
+        rows: list[Row] = [["Participant number", heading, *ITEMS]]
+        rows += [[n, ("red", "blue")[n % 2], *answers(n)] for n in range(20)]
+        found = of(suggest_mapping([write(tmp_path / "form.csv", rows)]))
+        assert {*found.conditions} == {"red", "blue"}, heading
+
+
+def test_a_code_that_people_are_asked_for_tells_them_apart(tmp_path: Path) -> None:
+    rows: list[Row] = [["Enter the code you were given", "How old are you?", *ITEMS]]
+    rows += [[f"K{n}Q", 20 + n, *answers(n)] for n in range(12)]
+    found = of(suggest_mapping([write(tmp_path / "form.csv", rows)]))
+    assert [*found.participants] == [f"K{n}Q" for n in range(12)]
+
+
 def test_a_statement_about_what_was_shown_is_no_experience_of_people(tmp_path: Path) -> None:
     heads = ["Participant", "I found it engaging", "It was a creative experience"]
     rows = [heads, *([f"P{n}", n % 5, n * 3 % 5] for n in range(40))]

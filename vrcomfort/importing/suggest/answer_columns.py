@@ -105,6 +105,8 @@ class AnswerColumns:
         self.made = dict.fromkeys(comparisons(table, known), A_WEIGHT)
         """Column that is made of others, or of the comparisons of items → what it is."""
         self.taken.update(self.made)
+        self.computed: set[int] = set()
+        """Columns that are sums of others, or the reverse of one."""
         # "Marca temporal" is no temporal demand: a program writes it, and nobody answers it.
         roles = [known.vocabulary.roles.get(plain(heading)) for heading in table.headings]
         told = [*map(known.vocabulary.told, table.headings)]
@@ -150,6 +152,7 @@ class AnswerColumns:
         self._found[RATINGS] += found.rated
         self.taken.update(c for each in (*found.courses, *found.rated) for c in each.columns)
         questions = [] if found.rated else own_instruments(found.questions)
+        self.computed = found.computed
         self.codes = ["_".join(code).upper() for code in found.conditions]
         return questions
 

@@ -421,7 +421,7 @@ def _words_without_people(context: Context, column: int) -> bool:
     if context.participant is not None or column not in open_ or behind:
         return False
     words = texts(context.table, column)
-    if all(map(context.vocabulary.timepoint, words)) or _asks_person(context.table, column):
+    if all(map(context.vocabulary.timepoint, words)) or _asks_person(context, column):
         return False
     if _says_yes_or_no(context, column):
         return False  # an answer to a question of the lab's own
@@ -429,11 +429,16 @@ def _words_without_people(context: Context, column: int) -> bool:
     return not numbers and few_texts(context.table, column)
 
 
-def _asks_person(table: SourceTable, column: int, *, but: str = "did") -> bool:
-    """Return whether a heading asks people of themselves, but of what they ``did`` just use."""
-    said = tokens(f"{table.headings[column]} {table.labels[column]}")
-    asks = bool({*said} & _SECOND_PERSON) and but not in said
-    return len(said) >= FEWEST_OF_SENTENCE and asks
+def _asks_person(context: Context, column: int, role: str = "condition") -> bool:
+    """Return whether a heading asks people of themselves, and not for a role.
+
+    What they ``did`` just use may be a condition, and so may the group of which they are.
+    """
+    said = tokens(f"{context.table.headings[column]} {context.table.labels[column]}")
+    told = {context.vocabulary.roles.get(word) for word in said}
+    shown = context.vocabulary.fact_words["condition"] | {"did", "assigned"}
+    named = role in told if role == "participant" else "group" in told or {*said} & shown
+    return len(said) >= FEWEST_OF_SENTENCE and bool({*said} & _SECOND_PERSON) and not named
 
 
 _SECOND_PERSON = frozenset(["you", "your", "ihr", "ihre", "ihren", "du", "dein", "deine", "vous"])
@@ -475,17 +480,18 @@ def _balanced_groups(context: Context, column: int) -> bool:
     several = who is not None and varies_within(table, column, who)
     if not 2 <= len(groups) <= _FEW_SCENES or several:
         return False
-    if is_numeric(table, column) or measures(table, column) or _is_a_question(table, column):
+    if is_numeric(table, column) or measures(table, column) or _is_a_question(context, column):
         return False
     return min(groups.values()) >= _FEWEST_OF_GROUP and max(groups.values()) - min(
         groups.values()
     ) <= max(1, len(people) // 12)
 
 
-def _is_a_question(table: SourceTable, column: int) -> bool:
+def _is_a_question(context: Context, column: int) -> bool:
     """Return whether a heading is one of a row (``Q4``, ``Q5``, ``Q6``) or grid, or asks people."""
+    table = context.table
     asked = [around(each)[0] for each in table.headings]
-    if _asks_person(table, column) or (asked[column] and asked.count(asked[column]) > 2):
+    if _asks_person(context, column) or (asked[column] and asked.count(asked[column]) > 2):
         return True
     stems = [re.fullmatch(r"([^\W\d]{1,3}) ?_?\d{1,3}", each) for each in table.headings]
     own = stems[column]
@@ -608,7 +614,7 @@ def candidates(role: str, columns: Iterable[int], context: Context) -> list[Cand
         if role == "condition" and asks:
             continue  # a question of the lab's own
         open_ = role == "participant" and column in context.roles.unknown
-        if open_ and _asks_person(context.table, column, but="id"):
+        if open_ and _asks_person(context, column, role):
             continue
         heaviest = next((each for each in rows if each.test(context, column)), None)
         if heaviest is not None:

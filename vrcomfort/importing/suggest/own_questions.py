@@ -375,7 +375,7 @@ class OwnQuestions:
         """Return whether a mean or a total stands beside the questions that it is made of."""
         if column in self._roles.outcomes:
             return False
-        if column in self._computed:
+        if column in self.computed:
             return True
         others = [c for c in sorted(columns) if c != column]
         left = self._left.get(column)
@@ -393,7 +393,7 @@ class OwnQuestions:
         return bool(words & fillers) and any(own & each and not each & fillers for each in said)
 
     @cached_property
-    def _computed(self) -> set[int]:
+    def computed(self) -> set[int]:
         """Return the columns that are sums, weighted or not, or the reverse, of those before."""
         decimal, found, basis = self._table.decimal, set[int](), list[np.ndarray]()
         for column in sorted({*self._scales, *self._left}):

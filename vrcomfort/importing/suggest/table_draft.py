@@ -63,6 +63,7 @@ def _stands_among(column: int, some: Collection[int], others: Collection[int]) -
 
 
 _AGAIN = re.compile(r" ?\(\d\)$")
+_COMPUTED = "an exact sum, or the reverse, of columns before"
 """The mark of a person's second questionnaire."""
 
 
@@ -497,7 +498,8 @@ class TableDraft(SaidByHeadings):
         known = {*self._roles.metadata, *self._made}
         asked = [column for column in columns if column not in known]
         reasons, doubts = leftovers(self.table, asked, self._answers[BLOCKS], self._known)
-        self.doubts += doubts
+        made = self._answers.computed & {*columns} - {*reasons} - {*self._made}
+        self.doubts += doubts + ask_to_leave_out(self.table, dict.fromkeys(sorted(made), _COMPUTED))
         for column in (c for c in asked if reasons.get(c) == "empty" and texts(self.every_row, c)):
             reasons[column] = "filled in rows without answers alone"
         for column in columns:
