@@ -48,6 +48,7 @@ from vrcomfort.importing.suggest.questionnaires import Drafted
 from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating, rises, time_column
 from vrcomfort.importing.suggest.stems import Stem, shared_stems
 from vrcomfort.importing.suggest.vocabulary import (
+    FEWEST_OF_SENTENCE,
     FIRST_PERSON,
     Known,
     LabVocabulary,
@@ -58,8 +59,6 @@ from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
 
 _FEWEST_STEPS = 2
-_SENTENCE = 4
-"""Words of a heading that is a sentence."""
 _FEWEST_WORDS = 3
 """Answers in words that show which scale a question is on."""
 _FEWEST_OF_BLOCK = 5
@@ -300,7 +299,7 @@ class OwnQuestions:
         found: dict[str, list[int]] = defaultdict(list)
         for column in self._scales:
             words = tokens(self._table.headings[column])
-            if 1 < len(words) < _SENTENCE:
+            if 1 < len(words) < FEWEST_OF_SENTENCE:
                 found[words[0]].append(column)
         return {code: each for code, each in found.items() if len(each) >= FEWEST_OF_SERIES}
 
@@ -319,7 +318,7 @@ class OwnQuestions:
         """Return whether a column's heading asks for an opinion, and its cells are answers."""
         vocabulary, words = self._vocabulary, self._words(column)
         own = {*words} - self._apart
-        sentence = len(words) >= _SENTENCE and bool({*words} & vocabulary.asking_sentences)
+        sentence = len(words) >= FEWEST_OF_SENTENCE and bool({*words} & vocabulary.asking_sentences)
         opinion = sentence or bool(own & vocabulary.asking_words)
         said = self._ends(column) is not None
         others = own & (vocabulary.asking_others | vocabulary.measures)
@@ -329,7 +328,7 @@ class OwnQuestions:
         whole = self._scales[column].step == 1
         asks = opinion or said or shown or (whole and column in self._series)
         free = self._is_agreement(column) or column in self._roles.unknown
-        free = free or (len(words) > _SENTENCE and opinion and self._is_free(column))
+        free = free or (len(words) > FEWEST_OF_SENTENCE and opinion and self._is_free(column))
         return asks and free and not self._is_no_answer(column)
 
     @cached_property
@@ -386,7 +385,7 @@ class OwnQuestions:
             return True
         fillers = self._vocabulary.scale_fillers | self._vocabulary.totals | {"mean", "avg"}
         given = tokens(self._table.headings[column])
-        words = {*given} if len(given) < _SENTENCE else set()
+        words = {*given} if len(given) < FEWEST_OF_SENTENCE else set()
         own = {word for word in words - fillers - self._apart if not word.isdecimal()}
         asked = [c for c in others if left is None or c not in self._left]
         said = ({*tokens(self._table.headings[c])} for c in asked)
@@ -508,9 +507,9 @@ class OwnQuestions:
         inside = [n for n in range(start, end) if len(self._moments[_blank(words, n)]) > 1]
         context = (*words[:start], *(words[n] for n in inside), *words[end:])
         text = " ".join(given[n] for n in range(start, end) if n not in inside)
-        if not context and len(given) >= _SENTENCE:
+        if not context and len(given) >= FEWEST_OF_SENTENCE:
             text = self._table.headings[column]
-        short = sum(not word.isdecimal() for word in words) < _SENTENCE + len(context)
+        short = sum(not word.isdecimal() for word in words) < FEWEST_OF_SENTENCE + len(context)
         said = {*words} & self._vocabulary.asking_sentences  # I felt content
         code = words[start] if end - start > 1 and short and not said else ""
         return self._made(column, text, context, code)
@@ -561,7 +560,9 @@ class OwnQuestions:
         """
         moment = words[place] in self._vocabulary.timepoints and words[place] not in self._apart
         again = len(self._moments[_blank(words, place)]) > 1
-        return self._tells(words, place) and (again or not moment or len(words) <= _SENTENCE)
+        return self._tells(words, place) and (
+            again or not moment or len(words) <= FEWEST_OF_SENTENCE
+        )
 
     def _crossed(self, questions: list[OwnQuestion]) -> list[OwnQuestion]:
         """Take words for conditions out of questions, unless a column says the condition."""
