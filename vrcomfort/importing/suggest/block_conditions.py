@@ -46,11 +46,14 @@ def numbered_conditions(table: SourceTable, vocabulary: LabVocabulary) -> dict[i
         named = len(words) == 2 and words[1].isdecimal() and words[0] in said
         if named and 0 < len(texts(table, column)) <= MOST_CONDITIONS:
             found.setdefault(int(words[1]), column)
-    return found if len(found) > 1 else _permuted(table)
+    return found if len(found) > 1 else _permuted(table, vocabulary)
 
 
-def _permuted(table: SourceTable) -> dict[int, int]:
-    """Return number → column of ``film1`` …, if rows have the same films in other orders."""
+def _permuted(table: SourceTable, vocabulary: LabVocabulary) -> dict[int, int]:
+    """Return number → column of ``film1`` …, if rows have the same films in other orders.
+
+    What people rank first is not what they saw first: ``Rank 1`` is no condition.
+    """
     series: dict[tuple[str, ...], dict[int, int]] = defaultdict(dict)
     numbers: Counter[int] = Counter()
     for column, words in enumerate(map(tokens, table.headings)):
@@ -58,7 +61,7 @@ def _permuted(table: SourceTable) -> dict[int, int]:
         if (place := number_in_words(words)) is not None:
             rest = tuple(word for word in words if not word.isdecimal())
             series[rest].setdefault(place, column)
-    for found in series.values():
+    for found in (own for words, own in series.items() if not {*words} & vocabulary.asking_others):
         rows = [tuple(row[c] for c in found.values()) for row in table.rows]
         orders = Counter(row for row in rows if all(row))
         sets = Counter(frozenset(row) for row in orders.elements())
