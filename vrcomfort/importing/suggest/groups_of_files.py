@@ -50,11 +50,10 @@ def say_groups(
     So does a table with a row for each person, and a column for the condition or the group.
     """
     for draft in drafts:
-        said = draft.draft.values.get("participant")
-        column = said.get("column") if isinstance(said, dict) else None
+        column = draft.column_of("participant")
         if draft.draft.values.get("condition") != _ALL or column is None:
             continue
-        people = {*texts(draft.table, draft.table.headings.index(column))}
+        people = _people(draft)
         for other in (*others, *drafts):
             groups = {} if other is draft else _groups(other.tables, column)
             groups = groups or _groups_in(other.table, column, vocabulary)
@@ -122,14 +121,15 @@ def say_conditions_of_files(drafts: Sequence[TableDraft], vocabulary: LabVocabul
     """Let files that ask the same people some of the same say the condition by their names; ask."""
     silent = [d for d in drafts if d.draft.values.get("condition") == _ALL]
     asked = {heading for draft in silent for heading in draft.table.headings}
-    alone = [d for d in drafts if len(d.files) == 1 and (d in silent or _said_by(d) in asked)]
+    one_file = [d for d in drafts if len(d.files) == 1]
+    alone = [d for d in one_file if d in silent or d.column_of("condition") in asked]
     alike = [d for d in alone if any(_ask_the_same(d, other) for other in alone if other is not d)]
     stems = [draft.table.file.stem for draft in alike]
     parts = parts_of_names(stems, ["condition"], vocabulary) if len(alike) > 1 else None
     if parts is None or len({*stems}) < len(stems):
         return
     for draft in alike:
-        if column := _said_by(draft):  # which other files have, too, and is none there
+        if column := draft.column_of("condition"):  # which is none in other files that have it
             draft.draft.put("ignore", [*draft.ignored, column])
         draft.draft.put("file_name", parts.template)
         del draft.draft.values["condition"]
@@ -140,11 +140,10 @@ def say_conditions_of_files(drafts: Sequence[TableDraft], vocabulary: LabVocabul
     alike[0].doubts.append(OpenDoubt(question, assumed, CONDITIONS))
 
 
-def _said_by(draft: TableDraft) -> str | None:
-    """Return the column that says a draft's condition, if one does."""
-    said = draft.draft.values.get("condition")
-    column = said.get("column") if isinstance(said, dict) else None
-    return column if isinstance(column, str) else None
+def _people(draft: TableDraft) -> set[str]:
+    """Return the codes of people in a draft's table; nothing where no column has them."""
+    column = draft.column_of("participant")
+    return {*texts(draft.table, draft.table.headings.index(column))} if column else set()
 
 
 def _ask_the_same(one: TableDraft, other: TableDraft) -> bool:
@@ -157,15 +156,8 @@ def _ask_the_same(one: TableDraft, other: TableDraft) -> bool:
         }
         for draft in (one, other)
     ]
-    people = [
-        {*texts(draft.table, draft.table.headings.index(column))}
-        for draft in (one, other)
-        if isinstance(said := draft.draft.values.get("participant"), dict)
-        if isinstance(column := said.get("column"), str)
-    ]
     when = one.draft.values.get("timepoint") == other.draft.values.get("timepoint")
-    met = len(people) > 1 and bool(people[0] & people[1])
-    return met and when and len(asked[0] & asked[1]) > 1
+    return bool(_people(one) & _people(other)) and when and len(asked[0] & asked[1]) > 1
 
 
 def _without_moment(stem: str, vocabulary: LabVocabulary) -> tuple[str, ...]:

@@ -115,6 +115,12 @@ class TableDraft(SaidByHeadings):
         """Column of a score whose answers are there → why it is ignored."""
         self._write()
 
+    def column_of(self, fact: str) -> str | None:
+        """Return the heading of the column that says a fact, if one alone does."""
+        said = self.draft.values.get(fact)
+        column = said.get("column") if isinstance(said, dict) else None
+        return column if isinstance(column, str) else None
+
     @property
     def own(self) -> list[Instrument]:
         """Return the instruments of the lab's own questions."""
