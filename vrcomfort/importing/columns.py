@@ -109,11 +109,12 @@ class Columns:
 
     def _named(self, text: str) -> Iterable[int]:
         """Return the indices of the columns of a heading, ``first … last``, or a pattern."""
-        ends = [self._index.get(one_line(each)) for each in (text, *text.split(" … "))]
-        if ends[0] is not None:
-            return [ends[0]]
-        if len(ends) == _HEADING_AND_RANGE and ends[1] is not None and ends[2] is not None:
-            return range(ends[1], ends[2] + 1)
+        first, _, last = text.partition(" … ")
+        heading, start, end = (self._index.get(one_line(each)) for each in (text, first, last))
+        if heading is not None:
+            return [heading]
+        if start is not None and end is not None:
+            return range(start, end + 1)
         pattern = template_pattern(text.replace("*", "{*}"))
         wild = "*" in text and text != "*"  # another file of the table may have it
         return [i for i, h in enumerate(self._table.headings) if wild and pattern.fullmatch(h)]
@@ -397,8 +398,6 @@ class _Pieces:
         return self._exact.get(text) or self._plain.get(plain(text))
 
 
-_HEADING_AND_RANGE = 3
-"""A text, and its two ends."""
 ALMOST = 0.85
 """Similarity from which a text counts as another one misspelt."""
 
