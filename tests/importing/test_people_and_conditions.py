@@ -551,3 +551,10 @@ def test_a_row_of_a_grid_is_no_condition_whatever_the_grid_asks(tmp_path: Path) 
     rows = [[f"P{n}", "3.0x+", "2.0x", ("1.0x", "<1.0x")[n % 2], 1 + n % 5] for n in range(12)]
     found = of(suggest_mapping([write(tmp_path / "form.csv", [heads, *rows])]))
     assert found.conditions == ["all"]
+
+
+def test_codes_tell_people_apart_and_not_the_count_of_rows_in_front_of_them(tmp_path: Path) -> None:
+    people = [4, 2, 5, 3, 7, 6, 1, 9, 10, 8]
+    rows: list[Row] = [[n, f"P{p}", *answers(p)] for n, p in enumerate(people, 1)]
+    file = write(tmp_path / "ssq.csv", [["", "Nombre", *ITEMS], *rows, [11, "", *[""] * 6]])
+    assert conditions_of(suggest_mapping([file])).keys() == {f"P{p}" for p in people}
