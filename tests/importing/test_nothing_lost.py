@@ -218,3 +218,19 @@ def test_numbers_under_a_heading_for_responses_that_are_ignored_are_asked_about(
     head = ["ID", "display", "stimulus", "response", *ENGLISH]
     doubts = suggest_mapping([write(tmp_path / "log.csv", [head, *rows])]).doubts
     assert any("Are 20 numbers in 'response' no answers" in doubt for doubt in doubts)
+
+
+@pytest.mark.parametrize(("first", "taken"), [(100_000, True), (171_000_000, False)])
+def test_numbers_beyond_a_million_are_measures_unless_all_are_about_as_large(
+    first: int, taken: bool, tmp_path: Path
+) -> None:
+    rows = [
+        [p, c, first + 977_003 * (n + 8 * k), *ANSWERS[p, c, "post"]]
+        for n, p in enumerate(PEOPLE)
+        for k, c in enumerate(CONDITIONS)
+    ]
+    file = write(tmp_path / "ssq.csv", [["ID", "Condition", "path", *ENGLISH], *rows])
+    words = tmp_path / "words.toml"
+    words.write_text('[outcomes]\nlabels = ["path"]\n')
+    assert ('path = "path"' in suggest_mapping([file]).text) is taken
+    assert 'path = "path"' in suggest_mapping([file], vocabularies=[words]).text

@@ -21,7 +21,7 @@ from vrcomfort.settings import toml_value
 
 ROUNDED = 0.051
 """Labs round scores to one decimal or more."""
-MOST = 1e6
+MOST = 1e12
 """Of a score of another formula: an instrument has no larger answer."""
 MOST_DECIMALS = 9
 _DIGITS = 12

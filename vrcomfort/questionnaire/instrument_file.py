@@ -35,7 +35,7 @@ from vrcomfort.settings import (
 )
 
 Language = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
-_MOST = 1e6
+_MOST = 1e12
 Bound = Annotated[float, Field(ge=-_MOST, le=_MOST)]
 Step = Annotated[float, Field(gt=0, le=_MOST)]
 

@@ -64,7 +64,7 @@ def left_over(
         if _numbers_rows(context, column) and not told:
             continue
         reason = "" if told else _reason(context, column)
-        reading = reading_of(table, column, context.vocabulary)
+        reading = reading_of(table, column, context.vocabulary, told=told)
         if reading is None and (told or _answers_by_yes(context, column)):
             flag = yes_or_no(texts(table, column), context.vocabulary)
             reading = TakenFor(AnswerRange(0, 1), measured=True) if flag else None
@@ -135,8 +135,16 @@ def _is_level(context: Context, column: int) -> bool:
     return False
 
 
-def reading_of(table: SourceTable, column: int, vocabulary: LabVocabulary) -> TakenFor | None:
-    """Return what a column of numbers, or of words with an order, is taken for."""
+def reading_of(
+    table: SourceTable, column: int, vocabulary: LabVocabulary, *, told: bool = False
+) -> TakenFor | None:
+    """Return what a column of numbers, or of words with an order, is taken for.
+
+    Parameters
+    ----------
+    told
+        The lab says that it is an outcome.
+    """
     given = texts(table, column)
     words = [text for text in given if not is_missing(text, vocabulary)]
     numbers = {text: number(text, table.decimal) for text in words}
@@ -152,7 +160,8 @@ def reading_of(table: SourceTable, column: int, vocabulary: LabVocabulary) -> Ta
     if len(values) < len(words):
         rows = tuple(r for r in table.rows if numbers.get(r[column]) is not None or not r[column])
         few = (len(table.rows) - len(rows)) * _STRAY <= len(table.rows)
-        return reading_of(replace(table, rows=rows), column, vocabulary) if few else None
+        rest = replace(table, rows=rows)
+        return reading_of(rest, column, vocabulary, told=told) if few else None
     heading = {*tokens(table.headings[column])}
     measure = heading & (vocabulary.asking_others | vocabulary.measures | vocabulary.units)
     halves = all(float(2 * value).is_integer() for value in values)
@@ -160,22 +169,35 @@ def reading_of(table: SourceTable, column: int, vocabulary: LabVocabulary) -> Ta
     usual = scale is not None and scale.usual[:2] in USUAL and scale.usual.high <= _MOST_OF_RATING
     if scale is not None and usual and halves and not measure and not flag:
         return TakenFor(scale, measured=False)
-    return _measured(table, column, values)
+    return _measured(table, column, values, told=told)
 
 
 def _has_order(text: str, vocabulary: LabVocabulary) -> bool:
     return plain(text) in vocabulary.agreement or vocabulary.degree(text) is not None
 
 
-def _measured(table: SourceTable, column: int, values: Sequence[float]) -> TakenFor | None:
+def _measured(
+    table: SourceTable, column: int, values: Sequence[float], *, told: bool
+) -> TakenFor | None:
     """Return the range of measurements, in steps that tell all of them apart."""
     codes = missing_codes(values)
     values = [value for value in values if value not in codes]
     filled = sum(map(bool, table.column(column)))
     if filled < FEWEST_ANSWERS or not values or max(map(abs, values)) > MOST:
         return None
+    if _name_something(values) and not told:
+        return None
     low, high = floor(min(values)), ceil(max(values))
     return TakenFor(AnswerRange(low, max(high, low + 1), step_of(values)), measured=True)
+
+
+def _name_something(values: Sequence[float]) -> bool:
+    """Return whether numbers beyond a million are all about as large: dates, or codes."""
+    least, most = min(map(abs, values)), max(map(abs, values))
+    return most > _LARGE and least * _SPREAD > most
+
+
+_LARGE, _SPREAD = 1e6, 10
 
 
 def ask_to_leave_out(table: SourceTable, reasons: Mapping[int, str]) -> list[OpenDoubt]:
