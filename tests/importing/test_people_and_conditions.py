@@ -558,3 +558,20 @@ def test_codes_tell_people_apart_and_not_the_count_of_rows_in_front_of_them(tmp_
     rows: list[Row] = [[n, f"P{p}", *answers(p)] for n, p in enumerate(people, 1)]
     file = write(tmp_path / "ssq.csv", [["", "Nombre", *ITEMS], *rows, [11, "", *[""] * 6]])
     assert conditions_of(suggest_mapping([file])).keys() == {f"P{p}" for p in people}
+
+
+def test_conditions_of_two_files_that_differ_in_case_are_one_and_asked_about(
+    tmp_path: Path,
+) -> None:
+    people = [f"P{p}" for p in range(1, 11)]
+    head = [f"{item}_{c}" for c in ("Shop", "Fake") for item in ITEMS]
+    asked = [[p, *answers(n), *answers(n, 1)] for n, p in enumerate(people)]
+    shown = [(n, p, c) for n, p in enumerate(people) for c in ("shop", "fake")]
+    timed = [[p, c, 3000 + (17 * n if c == "shop" else -9 * n)] for n, p, c in shown]
+    files = [
+        write(tmp_path / "asked.csv", [["ID", *head], *asked]),
+        write(tmp_path / "timed.csv", [["ID", "condition", "clicks made"], *timed]),
+    ]
+    found = suggest_mapping(files)
+    assert {*of(found).conditions} == {"Shop", "Fake"}
+    assert "Are these conditions, spelt in two ways, the same: 'Shop' and 'shop'" in found.text

@@ -49,6 +49,7 @@ from vrcomfort.importing.suggest.left_over_drafts import with_left_over
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
 from vrcomfort.importing.suggest.names_of_files import excluded_files
 from vrcomfort.importing.suggest.own_instruments import AnswerRange, declaration, questions_of
+from vrcomfort.importing.suggest.same_conditions import say_same_conditions
 from vrcomfort.importing.suggest.same_people import (
     count_exposures,
     say_contradictions,
@@ -178,8 +179,9 @@ def _suggested(
         ignored = _ignored_sheets(top, drafts, useful, excluded)
         top.lists["tables"] = [draft.draft for draft in useful]
         imported, refusal = _tried(top, files, own)
-    if imported is not None and say_same_people(useful, imported):
-        imported, refusal = _tried(top, files, own)
+    for say_same in (say_same_conditions, say_same_people):
+        if imported is not None and say_same(useful, imported):
+            imported, refusal = _tried(top, files, own)
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
     doubts += [*ignored, *left_out, *_unanswered(drafts, known)]
     for draft in useful if not left_over else ():
