@@ -829,3 +829,28 @@ def test_a_sum_of_measurements_is_left_out_with_a_doubt(tmp_path: Path) -> None:
     ]
     found = suggest_mapping([write(tmp_path / "log.csv", [heads, *rows])])
     assert "May 'clicks' be left out (an exact sum" in found.text
+
+
+def test_words_of_two_scales_are_two_instruments_and_none_is_missing(tmp_path: Path) -> None:
+    agreed = ("Strongly disagree", "Disagree", "Neither agree nor disagree", "Agree")
+    likely = ("Not at all", "Moderately unlikely", "Neither likely nor unlikely", "Very likely")
+    much = ("Not at all", "Slightly", "Moderately", "Very")
+    rows = [
+        [p, c, *(words[(n + k + m) % 4] for m, words in enumerate((agreed, agreed, likely, much)))]
+        for n, p in enumerate(PEOPLE)
+        for k, c in enumerate(("near", "far"))
+    ]
+    head = [
+        "ID",
+        "Condition",
+        "I felt angry there",
+        "It was useful to me",
+        "cancer",
+        "I am confident",
+    ]
+    found = suggest_mapping([write(tmp_path / "x.csv", [head, *rows])])
+    assert found.imported is not None
+    assert "missing = " not in found.text
+    given = [a for each in found.imported.responses.values() for a in each.answers.values()]
+    assert len(given) == 4 * len(rows)
+    assert None not in given

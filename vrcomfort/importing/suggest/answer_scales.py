@@ -13,7 +13,7 @@ from vrcomfort.importing.made_instruments import MOST_DECIMALS
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.codings import code_of, is_softened, missing_codes
 from vrcomfort.importing.suggest.draft import TomlDraft
-from vrcomfort.importing.suggest.own_instruments import AnswerRange
+from vrcomfort.importing.suggest.own_instruments import AGREEMENT, DEGREES, AnswerRange
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 from vrcomfort.questionnaire import Instrument, plain
 
@@ -104,6 +104,14 @@ def _are_degrees(words: Iterable[str], vocabulary: LabVocabulary) -> bool:
     words = [*words]
     agreed = all(plain(text) in vocabulary.agreement for text in words)
     return not agreed and all(vocabulary.degree(text) is not None for text in words)
+
+
+def kind_of_words(table: SourceTable, column: int, vocabulary: LabVocabulary) -> str:
+    """Return whether the answers of a column are words of agreement or of degrees, or neither."""
+    words = [text for text in table.texts[column] if not is_missing(text, vocabulary)]
+    if words and all(plain(text) in vocabulary.agreement for text in words):
+        return AGREEMENT
+    return DEGREES if words and _are_degrees(words, vocabulary) else ""
 
 
 def put_coding(

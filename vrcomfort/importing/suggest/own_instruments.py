@@ -23,6 +23,8 @@ USUAL = (
     (0, 20), (0, 100), (-50, 50), (-100, 100), (0, 150),
 )  # fmt: skip
 """Lowest and highest answers of scales, the narrowest first."""
+AGREEMENT, DEGREES = "agreement", "degrees"
+"""Kinds of words in which questions are answered: numbers stand with the first one."""
 _STEPS, FEWEST_OF_SERIES = (10, 20), 3
 _LONGEST_NAME = 40
 
@@ -61,6 +63,8 @@ class OwnQuestion:
     ----------
     how
         By what it was found: its name, or as nothing else knows it.
+    words
+        The kind of words in which it is answered, where it is.
     """
 
     column: int
@@ -70,6 +74,7 @@ class OwnQuestion:
     seen: AnswerRange
     said: AnswerRange | None
     how: How = "name"
+    words: str = ""
 
 
 def own_instruments(questions: Sequence[OwnQuestion]) -> list[Found]:
@@ -87,16 +92,18 @@ def own_instruments(questions: Sequence[OwnQuestion]) -> list[Found]:
     met: dict[str, set[Context]] = defaultdict(set)
     for each in questions:
         met[plain(each.text)].add(each.context)
-    groups: dict[tuple[str, str, frozenset[Context]], list[OwnQuestion]] = defaultdict(list)
+    groups: dict[tuple[str, str, str, frozenset[Context]], list[OwnQuestion]] = defaultdict(list)
     codes = Counter(each.code for each in questions)
     contexts_of = {key: frozenset(found) for key, found in met.items()}
+    both = {AGREEMENT, DEGREES} <= {each.words for each in questions}
     for each in questions:
+        words = each.words if both and each.words == DEGREES else ""
         code = each.code if codes[each.code] >= FEWEST_OF_SERIES and len(each.code) > 1 else ""
         kind = "own_measures" if each.how == "measure" else "own_questions"
-        groups[kind, code, contexts_of[plain(each.text)]].append(each)
+        groups[kind, code, words, contexts_of[plain(each.text)]].append(each)
     found: list[Found] = []
     names: set[str] = {*shipped_instruments(), *TAKEN}
-    for (kind, code, _), group in groups.items():
+    for (kind, code, *_), group in groups.items():
         found += _blocks(name_of(code or kind, names), group)
     return found
 

@@ -23,6 +23,7 @@ from vrcomfort.importing.suggest.answer_scales import (
     FEWEST_ANSWERS,
     are_of_seven,
     is_missing,
+    kind_of_words,
     put_coding,
     scale_of,
     yes_or_no,
@@ -535,7 +536,10 @@ class OwnQuestions:
             said = AnswerRange(low, high, seen.step) if _holds(low, high, seen) else None
         text = _NUMBERING.sub("", text)
         how: How = "name" if left is None else "measure" if left.measured else "left"
-        return OwnQuestion(column, text, tuple(dict.fromkeys(context)), code, seen, said, how)
+        words = kind_of_words(self._table, column, self._vocabulary)
+        return OwnQuestion(
+            column, text, tuple(dict.fromkeys(context)), code, seen, said, how, words
+        )
 
     def _tells(self, words: Sequence[str], place: int) -> bool:
         """Return whether a word tells administrations apart: a moment, or a word of others."""
