@@ -51,7 +51,8 @@ def _rename(draft: TableDraft, one: Mapping[str, str]) -> bool:
     fact = draft.draft.values.get("condition")
     if not isinstance(fact, dict):
         return found
-    if (name := fact.get("constant")) in one:
+    name = fact.get("constant")
+    if isinstance(name, str) and name in one:
         draft.draft.put("condition", {**fact, "constant": one[name]})
         return True
     values = fact.get("values", {})
