@@ -336,6 +336,15 @@ def test_runs_of_headings_under_the_names_of_conditions_stand_above_their_means(
     assert {c: [v for (_, d, _), v in found.items() if d == c] for c in values} == values
 
 
+def test_the_doubt_about_rows_of_means_says_how_to_read_them(tmp_path: Path) -> None:
+    given = [[n % 5, n * 3 % 7] for n in range(11)]
+    rows = [[f"P{n}", *each] for n, each in enumerate(given)]
+    means = ["", *(round(sum(each) / 11, 2) for each in zip(*given, strict=True))]
+    found = suggest_mapping([write(tmp_path / "x.csv", [["", "Nausea", "Fatigue"], *rows, means])])
+    assert "Are rows from 13 on means" in found.text
+    assert 'instead = "in `read`: skip_rows = []"' in found.text
+
+
 def test_numbered_words_of_agreement_are_no_symptoms(tmp_path: Path) -> None:
     words = ["Strongly disagree", "Somewhat disagree", "Somewhat agree", "Strongly agree"]
     head = ["ID", *(f"TRUST_{n}" for n in range(1, 17))]

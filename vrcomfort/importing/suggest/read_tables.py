@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import LAYOUT, OpenDoubt, TomlDraft, pattern_of
+from vrcomfort.importing.suggest.draft import LAYOUT, ROWS, OpenDoubt, TomlDraft, pattern_of
 
 _WAYS = {
     "transpose": (
@@ -35,6 +35,7 @@ def draft_reading(tables: Sequence[SourceTable]) -> tuple[TomlDraft, list[OpenDo
     read = first.reading
     values: dict[str, object] = {}
     asked: list[tuple[str, str]] = []
+    doubts: list[OpenDoubt] = []
     ways = {(each.reading.encoding, each.reading.separator) for each in tables}
     if read.encoding is not None and len(ways) == 1 and read.separator is not None:
         values["encoding"] = read.encoding.replace("utf-8-sig", "utf-8")
@@ -49,7 +50,7 @@ def draft_reading(tables: Sequence[SourceTable]) -> tuple[TomlDraft, list[OpenDo
         values["heading_rows"] = list(read.heading_rows or ())
     if read.skip_rows and not read.sections:
         values["skip_rows"] = list(read.skip_rows)
-        asked += _of_skipped(first)
+        doubts += _of_skipped(first)
     for key, words in _WAYS.items():
         if getattr(read, key):
             values[key] = True
@@ -63,19 +64,19 @@ def draft_reading(tables: Sequence[SourceTable]) -> tuple[TomlDraft, list[OpenDo
     if not read.heading_rows and "heading_rows" in values:
         question = f"{first.file.name} seems to have no headings: is its first row data?"
         asked.append((question, "it is; columns are called column 1, column 2 …"))
-    return draft, [OpenDoubt(question, assumed, LAYOUT) for question, assumed in asked]
+    return draft, doubts + [OpenDoubt(question, assumed, LAYOUT) for question, assumed in asked]
 
 
-def _of_skipped(table: SourceTable) -> list[tuple[str, str]]:
-    """Return what to ask of rows that are not read, and what is assumed."""
+def _of_skipped(table: SourceTable) -> Iterator[OpenDoubt]:
+    """Ask about rows below the headings that are not read."""
     heading, data = max(table.reading.heading_rows or (table.numbers[0],)), table.numbers[0]
-    labels = [n for n in table.reading.skip_rows if heading < n < data]
+    above = [n for n in table.reading.skip_rows if n < data]
     below = [n for n in table.reading.skip_rows if n > data]
-    asked = []
+    labels = [n for n in above if n > heading]
     if len(labels) == 1 and any(table.labels):
         question = f"Does row {labels[0]} say the headings in other words?"
-        asked.append((question, "it does, and is no answer"))
+        yield OpenDoubt(question, "it does, and is no answer", LAYOUT)
     if below:
         question = f"Are rows from {below[0]} on means, and no person's?"
-        asked.append((question, "they are: the first is the mean of those above"))
-    return asked
+        stake = ROWS._replace(instead=f"in `read`: skip_rows = {above}")
+        yield OpenDoubt(question, "they are: the first is the mean of those above", stake)
