@@ -37,7 +37,7 @@ _SMALL = {"SMALL_FROM_PX": blur_kernels.SMALL_FROM_PX, "SMALL_PX": blur_kernels.
 class HalfImage:
     """Half the image, and its tiles, in which near things are looked for: `LookedThrough`."""
 
-    behind_px = BEHIND_PX
+    behind_px, beside = BEHIND_PX, 1  # half a texel of a tile may be near, and not seen in it
 
     def __init__(self, coc: CocPasses) -> None:
         self._coc, tile_px = coc, coc.tile_px
@@ -77,7 +77,7 @@ class HalfImage:
     def again(self, classes: AnyTexture) -> list[Callable[[], None]]:
         """Return what halves the image again where what is behind near things was drawn."""
         finest = self._finest_pass(classes)
-        tiles = self._tile_pass(classes, "BEHIND", beside=1, target=self.tiles)
+        tiles = self._tile_pass(classes, "BEHIND", beside=2, target=self.tiles)
         return [finest.render, tiles.render, self._widest.render]
 
     def _finest_pass(self, classes: AnyTexture | None = None) -> FullscreenPass:
@@ -93,7 +93,7 @@ class HalfImage:
             {**inputs, "dilated": classes},
             texel_px=2,
             target=self.finest,
-            defines={**_SMALL, **of_class("BEHIND", coc.tile_px // 2, beside=0)},
+            defines={**_SMALL, **of_class("BEHIND", coc.tile_px // 2, beside=self.beside)},
             reach_px=reach_px,
             **on_tiles(classes),
         )

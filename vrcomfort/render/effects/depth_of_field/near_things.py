@@ -46,6 +46,8 @@ class LookedThrough(Protocol):
 
     behind_px: float
     """Nothing is drawn apart that is blurred less."""
+    beside: int
+    """How many tiles away a pixel may be near though its own tile is not."""
     has_classified: bool
     """Whether the last :meth:`look` did, where someone watches."""
 
@@ -67,7 +69,7 @@ class LookedThrough(Protocol):
 class CocTiles:
     """Those that depth and focus give: ``coc_tile_min_max.frag``."""
 
-    behind_px = BEHIND_PX
+    behind_px, beside = BEHIND_PX, 0
     has_classified = True
 
     def __init__(self, coc: CocPasses) -> None:
@@ -149,7 +151,7 @@ class NearThings:
             "depth_of_field/colour_and_coc.frag",
             size_px=coc.size_px,
             inputs={"colour": blurred, "depth": behind_depth, "dilated": self._classes},
-            defines={"BEHIND_NEAR": 1, **of_class("BEHIND", coc.tile_px, beside=0)},
+            defines={"BEHIND_NEAR": 1, **of_class("BEHIND", coc.tile_px, beside=looked.beside)},
             target=colour,
             reach_px={"colour": DRAWN, "depth": DRAWN, "dilated": DRAWN},
             **on_tiles(self._classes),
@@ -263,7 +265,7 @@ class NearThings:
             "limit": self._limit.target,
         }
         defines = {**self._behind, "TILE": coc.tile_px}
-        defines |= of_class("BEHIND", coc.tile_px, beside=0)
+        defines |= of_class("BEHIND", coc.tile_px, beside=self._looked.beside)
         if seen is not None:
             inputs["depth"], defines["NEXT"] = seen, 1
         return coc.make_pass(
