@@ -11,6 +11,8 @@ import openpyxl
 import pytest
 
 from tests.support.layouts import ENGLISH, ITEMS
+from vrcomfort.importing import import_files
+from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.suggest import Suggestion, suggest_mapping
 from vrcomfort.questionnaire import shipped_instruments
 
@@ -579,3 +581,17 @@ def test_a_row_of_data_below_a_heading_without_a_name_for_rows_is_no_heading(
     ]
     found = suggest_mapping([table(tmp_path / "averages.csv", rows)])
     assert "heading_rows = [1]" in found.text
+
+
+def test_a_sheet_under_ignore_sheets_is_left_out_though_a_table_names_it(tmp_path: Path) -> None:
+    sheets = {
+        name: [["ID", *LOADS], *([f"{name}{person}", *tlx()] for person in PEOPLE)]
+        for name in ("First", "Second")
+    }
+    file = workbook(tmp_path / "tlx.xlsx", sheets)
+    text = suggest_mapping([file]).text
+    ignoring = text.replace("format_version = 1", 'format_version = 1\nignore_sheets = ["Second"]')
+    every = import_files([file], parse_mapping(text, None))
+    some = import_files([file], parse_mapping(ignoring, None))
+    assert len(every.participants) == 2 * len(some.participants) == 2 * len(PEOPLE)
+    assert all("First" in name for name in some.participants)

@@ -510,7 +510,7 @@ def import_files(
         taken = []
         for index in found:
             table = mapping.tables[index]
-            for each in tables_of(file, table):
+            for each in tables_of(file, table, mapping.ignore_sheets):
                 taken.append(TableImport(each, table, known, imported, numbers, made).run())
                 seen[index] |= texts_in(each, table)
         reading = mapping.tables[found[0]].read.reading
@@ -542,8 +542,8 @@ def _grids(file: Path, reading: Reading) -> list[Grid]:
     return [part for grid in grids for part in (sections(grid) if reading.sections else [grid])]
 
 
-def tables_of(file: Path, table: TableMapping) -> list[SourceTable]:
-    """Read the sheets of a file that are of a table of a mapping.
+def tables_of(file: Path, table: TableMapping, ignored: Sequence[str] = ()) -> list[SourceTable]:
+    """Read the sheets of a file that are of a table of a mapping, and not ignored.
 
     Raises
     ------
@@ -551,7 +551,8 @@ def tables_of(file: Path, table: TableMapping) -> list[SourceTable]:
         If the file, or a table of it, cannot be read; with the row.
     """
     grids = _grids(file, table.read.reading)
-    return [as_table(g) for g in grids if not g.sheet or matches(g.sheet, table.sheets)]
+    own = [g for g in grids if not g.sheet or matches(g.sheet, table.sheets)]
+    return [as_table(g) for g in own if not (g.sheet and matches(g.sheet, ignored))]
 
 
 def _require_sheets(

@@ -129,7 +129,7 @@ def _views(
         for file in files
         for each in mapping.tables
         if matches(file.name, each.files)
-        for table in tables_of(file, each)
+        for table in tables_of(file, each, mapping.ignore_sheets)
     ]
 
 

@@ -49,6 +49,8 @@ def unmatched(
                 message = f"no answer is of a condition `{name}`; {did_you_mean(name, there)}"
                 yield Problem((key, name), message)
     for place, (table, cells) in enumerate(zip(mapping.tables, seen, strict=True)):
+        if mapping.ignore_sheets and not cells:
+            continue  # its sheets are ignored
         for kind, sources in (("questionnaires", table.questionnaires), ("scores", table.scores)):
             for index, each in enumerate(sources):
                 path = ("tables", place, kind, index)

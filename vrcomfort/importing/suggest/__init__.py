@@ -394,7 +394,8 @@ def _ignored_sheets(
     doubts = []
     rest = [draft for draft in drafts if draft not in useful]
     used = {name for draft in useful for name in draft.files}
-    sheets = [d.table.sheet for d in rest if d.table.sheet]
+    there = {table.sheet for draft in useful for table in draft.tables}
+    sheets = [d.table.sheet for d in rest if d.table.sheet and d.table.sheet not in there]
     files = [name for draft in rest for name in draft.files if name not in used]
     for what, others in (("sheets", sheets), ("files", files)):
         if others:
