@@ -8,7 +8,7 @@ a rating on a usual scale, or a measurement as it stands. One doubt asks about a
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from math import ceil, floor
 
@@ -30,6 +30,7 @@ from vrcomfort.importing.suggest.evidence import (
     is_numeric,
     texts,
     texts_of_people,
+    values_of,
     varies_within,
 )
 from vrcomfort.importing.suggest.item_names import How
@@ -100,11 +101,7 @@ def _reason(context: Context, column: int) -> str:
         return "the same number in all rows"
     if tokens(table.headings[column])[-1:] == ["id"]:
         return "numbers that name something"
-    if _is_of_design(context, column):
-        return "each person has the same numbers, as levels and counts of trials are"
-    if _is_level(context, column):
-        return "each scene or condition has its number, as levels are"
-    return ""
+    return next((why for why, test in _REASONS.items() if test(context, column)), "")
 
 
 def _numbers_rows(context: Context, column: int) -> bool:
@@ -133,6 +130,21 @@ def _is_level(context: Context, column: int) -> bool:
         if 2 < len(named) == len(pairs) <= len(rows) // FEWEST_ANSWERS:
             return True
     return False
+
+
+def _are_years(context: Context, column: int) -> bool:
+    first, last = _YEARS
+    years = values_of(context.table, column)
+    return bool(years) and all(year.is_integer() and first <= year <= last for year in years)
+
+
+_YEARS = 1900, 2100
+_REASONS: Mapping[str, Callable[[Context, int], bool]] = {
+    "calendar years": _are_years,
+    "each person has the same numbers, as levels and counts of trials are": _is_of_design,
+    "each scene or condition has its number, as levels are": _is_level,
+}
+"""Why a column of numbers is left out → a test for it."""
 
 
 def reading_of(
