@@ -234,3 +234,30 @@ def test_numbers_beyond_a_million_are_measures_unless_all_are_about_as_large(
     words.write_text('[outcomes]\nlabels = ["path"]\n')
     assert ('path = "path"' in suggest_mapping([file]).text) is taken
     assert 'path = "path"' in suggest_mapping([file], vocabularies=[words]).text
+
+
+def test_years_time_zones_and_versions_are_no_outcomes(tmp_path: Path) -> None:
+    head = ["ID", "Condition", "Local Timezone", "Experiment Version", "last use", *ENGLISH]
+    rows = [
+        [p, c, (n + k) % 3, 8 + (n + k) % 2, 2001 + (n * 7 + k) % 19, *ANSWERS[p, c, "post"]]
+        for n, p in enumerate(PEOPLE)
+        for k, c in enumerate(CONDITIONS)
+    ]
+    found = suggest_mapping([write(tmp_path / "ssq.csv", [head, *rows])])
+    assert found.imported is not None
+    assert {name for name, _ in found.imported.responses} == {"ssq"}
+    assert "May 'last use' be left out (calendar years)" in found.text
+
+
+def test_words_that_are_left_out_are_counted_and_asked_about(tmp_path: Path) -> None:
+    words = ("car", "boat", "train", "plane", "bicycle")
+    rows = [
+        [p, c, *ANSWERS[p, c, "post"], words[(n + k) % 5], words[(n * 2 + k) % 4]]
+        for n, p in enumerate(PEOPLE)
+        for k, c in enumerate(CONDITIONS)
+    ]
+    head = ["ID", "Condition", *ENGLISH, "fastest", "slowest"]
+    found = suggest_mapping([write(tmp_path / "ssq.csv", [head, *rows])])
+    assert any(
+        "May 2 columns of words be left out: 'fastest', 'slowest'?" in each for each in found.doubts
+    )

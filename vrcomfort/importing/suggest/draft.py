@@ -88,6 +88,11 @@ SAME_CONDITION = Stake("one condition would count as two", 64, _SAME_C)
 TIMES = Stake(_UNIT, 62, 'in the questionnaire: time_unit = "min"')
 OWN = Stake(_OTHER_ITEMS, 60, _SCALE)
 LEFT = Stake("columns would be outcomes that are none", 58, _NO_OUTCOMES)
+WORDS = Stake(
+    "answers or facts in words would be missing",
+    61,
+    f"{_words('people')}; or below [outcomes], if the words have an order, and below [degrees]",
+)
 ORDER = Stake(
     "exposures would be numbered in another order",
     55,

@@ -28,11 +28,14 @@ from vrcomfort.importing.suggest.draft import (
     SCORE_KIND,
     STAYED,
     TIMEPOINTS,
+    WORDS,
     OpenDoubt,
     TomlDraft,
+    listed,
     placed_in_short,
 )
 from vrcomfort.importing.suggest.evidence import (
+    LONGEST_CONDITION,
     Context,
     few_texts,
     is_numeric,
@@ -62,6 +65,8 @@ def _stands_among(column: int, some: Collection[int], others: Collection[int]) -
     return before in some and (behind in some or (behind is None and bool(others)))
 
 
+_SHOWN = 8
+"""Columns that a doubt lists."""
 _AGAIN = re.compile(r" ?\(\d\)$")
 _COMPUTED = "an exact sum, or the reverse, of columns before"
 """The mark of a person's second questionnaire."""
@@ -495,6 +500,19 @@ class TableDraft(SaidByHeadings):
             )
         ]
 
+    def _ask_about_words(self, columns: Sequence[int]) -> None:
+        """Ask whether columns of short texts, of which nothing was said, may be left out."""
+        words = []
+        for column in columns:
+            said = [t for t in texts(self.table, column) if number(t, self.table.decimal) is None]
+            short = sorted(map(len, said))[len(said) // 2 :][:1]
+            if len(said) > 1 and short and short[0] <= LONGEST_CONDITION:
+                words.append(repr(self.table.headings[column]))
+        if words:
+            what = f"{len(words)} columns of words" if words[1:] else "a column of words"
+            question = f"May {what} be left out: {listed(words, _SHOWN)}?"
+            self.doubts.append(OpenDoubt(question, "yes: they stand under ignore", WORDS))
+
     def _ignore(self, exposures: DraftedFacts) -> None:
         """List every column that nothing was said of, with the reason."""
         rest = {*self._roles.metadata, *self._roles.unknown, *exposures.unused, *self._made}
@@ -506,6 +524,7 @@ class TableDraft(SaidByHeadings):
         reasons, doubts = leftovers(self.table, asked, self._answers[BLOCKS], self._known)
         made = self._answers.computed & {*columns} - {*reasons} - {*self._made}
         self.doubts += doubts + ask_to_leave_out(self.table, dict.fromkeys(sorted(made), _COMPUTED))
+        self._ask_about_words([c for c in asked if c not in reasons])
         for column in (c for c in asked if reasons.get(c) == "empty" and texts(self.every_row, c)):
             reasons[column] = "filled in rows without answers alone"
         for column in columns:
