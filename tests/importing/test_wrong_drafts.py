@@ -204,3 +204,23 @@ def test_doubts_that_differ_in_names_alone_are_asked_once() -> None:
     ]
     (asked,) = stakes.write_doubts(draft, doubts)
     assert asked.question == "Does 'a' tell exposures apart? (And 2 more like it: 'b', 'c'.)"
+
+
+def test_outcomes_of_a_log_beside_a_questionnaire_come_in_and_words_without_order_are_asked_about(
+    tmp_path: Path,
+) -> None:
+    trials: list[list[object]] = [["ID", "Condition", "estimate", "colour", "seconds"]]
+    asked: list[list[object]] = [["ID", *ENGLISH]]
+    for n, p in enumerate(PEOPLE):
+        asked.append([p, *[(n + k) % 4 for k in range(16)]])
+        trials += [
+            [p, c, (n * 7 + k * 11) % 60, ("red", "green", "blue")[(n + k) % 3], k + n / 10]
+            for k, c in enumerate([*CONDITIONS] * 15)
+        ]
+    files = [write(tmp_path / "trials.csv", trials), write(tmp_path / "ssq.csv", asked)]
+    words = tmp_path / "words.toml"
+    words.write_text('[outcomes]\nlabels = ["estimate", "colour", "seconds"]\n')
+    found = suggest_mapping(files, vocabularies=[words])
+    assert found.imported is not None
+    assert {"estimate", "seconds"} <= items_of(found.imported)
+    assert "May 'colour' be left out (they are no numbers" in found.doubts[0]

@@ -23,7 +23,7 @@ from vrcomfort.importing.suggest.answer_scales import (
     yes_or_no,
 )
 from vrcomfort.importing.suggest.codings import missing_codes
-from vrcomfort.importing.suggest.draft import CODING, CURIOUS, LEFT, OpenDoubt, listed
+from vrcomfort.importing.suggest.draft import CODING, CURIOUS, LEFT, NO_LABEL, OpenDoubt, listed
 from vrcomfort.importing.suggest.evidence import (
     Context,
     is_identifier,
@@ -72,7 +72,7 @@ def left_over(
         if reading is not None and not reason:
             taken[column] = reading
         elif told:
-            reasons[column] = "they are no numbers, no words with an order, and no yes or no"
+            reasons[column] = _NO_ANSWERS
         elif is_numeric(table, column):
             reasons[column] = reason or "a number that is too large, or too few of them"
     return taken, reasons
@@ -138,6 +138,8 @@ def _are_years(context: Context, column: int) -> bool:
     return bool(years) and all(year.is_integer() and first <= year <= last for year in years)
 
 
+_NO_ANSWERS = "they are no numbers, no words with an order, and no yes or no"
+"""Why what the lab calls an outcome is left out."""
 _YEARS = 1900, 2100
 _REASONS: Mapping[str, Callable[[Context, int], bool]] = {
     "calendar years": _are_years,
@@ -218,7 +220,8 @@ def ask_to_leave_out(table: SourceTable, reasons: Mapping[int, str]) -> list[Ope
     for reason in dict.fromkeys(reasons.values()):
         own = [table.headings[column] for column, why in reasons.items() if why == reason]
         question = f"May {listed([*map(repr, own)], _SHOWN)} be left out ({reason})?"
-        doubts.append(OpenDoubt(question, "yes: they stand under ignore", CURIOUS))
+        stake = NO_LABEL if reason == _NO_ANSWERS else CURIOUS
+        doubts.append(OpenDoubt(question, "yes: they stand under ignore", stake))
     return doubts
 
 

@@ -43,7 +43,8 @@ def with_left_over(draft: TableDraft, known: Known, *, alone: bool) -> TableDraf
         if not (left or words or twice) or (who is None and not alone):
             return draft
         found = TableDraft(draft.tables, known, answered=True)  # which may have conditions
-        if once and not alone and (twice or not left or not found.has_conditions):
+        of_people = not draft.outcomes and (twice or not left or not found.has_conditions)
+        if once and not alone and of_people:
             return _facts_of_people(draft, known, [*found.left, *words], twice)
         left = found.left
     own = draft.of_other_rows() if draft.known else []

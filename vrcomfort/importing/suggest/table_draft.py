@@ -398,6 +398,11 @@ class TableDraft(SaidByHeadings):
         return bool(self._answers) or self._leaving is not None
 
     @property
+    def outcomes(self) -> bool:
+        """Return whether the lab calls some of the columns outcomes."""
+        return bool(self._roles.outcomes)
+
+    @property
     def has_conditions(self) -> bool:
         """Return whether rows, headings or names of files say conditions."""
         said = any("condition" in each for facts in self._facts.values() for each in facts)
