@@ -449,9 +449,9 @@ def test_scores_of_any_formula_are_an_instrument(
 
 
 def test_a_score_that_no_instrument_has_is_refused_with_its_place(tmp_path: Path) -> None:
-    file = write(tmp_path / "x.csv", [["who", "what", "total"], ["a", "b", "1e7"]])
+    file = write(tmp_path / "x.csv", [["who", "what", "total"], ["a", "b", "1e13"]])
     scores = '[[tables.scores]]\ninstrument = "ssq"\nkind = "other"\nscales = { T = "total" }\n'
-    with pytest.raises(InputError, match=r"row 2, column 'total': 1e7 is larger than any score"):
+    with pytest.raises(InputError, match=r"row 2, column 'total': 1e13 is larger than any score"):
         imported([file], f"{TOP}{FACTS}{scores}")
 
 
