@@ -205,6 +205,7 @@ class Columns:
         pattern = re.compile(source.pattern) if source.pattern else template_pattern(source.heading)
         found: dict[tuple[tuple[str, str], ...], dict[int, str]] = {}
         lost: list[str] = []
+        taken = self._placed | self._ignored
         for index, heading in enumerate(self._table.headings):
             match = pattern.fullmatch(heading)
             if match is None:
@@ -213,7 +214,7 @@ class Columns:
             item = self._item(captured.pop("item", None), pieces, instrument)
             if item is None:
                 continue
-            if index in self._placed | self._ignored:
+            if index in taken:
                 lost.append(item)
                 continue
             facts = {name: text for name, text in captured.items() if text is not None}
