@@ -530,3 +530,12 @@ def test_four_letters_or_two_words_abbreviate_an_item(heading: str, item: str | 
     vrsq = read_instrument(data_folder("instruments") / "vrsq.toml")
     found = _abbreviated(heading.split(), LabVocabulary([]), vrsq)
     assert found == (None if item is None else (0, len(heading.split()), item))
+
+
+@pytest.mark.parametrize("unit", ["min", "minutos", "分"])
+def test_minutes_of_ratings_are_known_in_any_language(tmp_path: Path, unit: str) -> None:
+    rows = [[f"P{n}", m, (n + m) % 4] for n in range(8) for m in range(1, 6)]
+    file = write(tmp_path / "fms.csv", [["ID", f"time ({unit})", "FMS"], *rows])
+    imported = suggest_mapping([file]).imported
+    assert imported is not None
+    assert {rating.onset_s for rating in imported.ratings} == {60.0 * n for n in range(1, 6)}

@@ -19,8 +19,6 @@ from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.heading_roles import (
-    OPINIONS,
-    PREFERENCES,
     Roles,
     around,
     is_personal,
@@ -453,10 +451,8 @@ def _asks_person(context: Context, column: int, role: str = "condition") -> bool
     told = {context.vocabulary.roles.get(word) for word in said}
     shown = context.vocabulary.fact_words["condition"] | {"did", "assigned"}
     named = role in told if role == "participant" else "group" in told or {*said} & shown
-    return len(said) >= FEWEST_OF_SENTENCE and bool({*said} & _SECOND_PERSON) and not named
-
-
-_SECOND_PERSON = frozenset(["you", "your", "ihr", "ihre", "ihren", "du", "dein", "deine", "vous"])
+    asked = bool({*said} & context.vocabulary.second_person)
+    return len(said) >= FEWEST_OF_SENTENCE and asked and not named
 
 
 def _groups_people(context: Context, column: int) -> bool:
@@ -623,12 +619,13 @@ def candidates(role: str, columns: Iterable[int], context: Context) -> list[Cand
     The others stand as they are given.
     """
     rows = sorted((each for each in CELLS if each.role == role), key=lambda each: -each.weight)
+    opinions = context.vocabulary.starts | context.vocabulary.preferences
     found = []
     for column in dict.fromkeys(columns):
         if column in context.roles.outcomes:
             continue
         words = tokens(context.table.headings[column])
-        asks = len(words) >= FEWEST_OF_SENTENCE and (OPINIONS | PREFERENCES) & {*words}
+        asks = len(words) >= FEWEST_OF_SENTENCE and opinions & {*words}
         if role == "condition" and asks:
             continue  # a question of the lab's own
         open_ = role == "participant" and column in context.roles.unknown

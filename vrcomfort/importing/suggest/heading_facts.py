@@ -74,7 +74,7 @@ def _without_numbers(
         return [*contexts]
 
     def says(words: tuple[str, ...], place: int) -> bool:
-        beside = {*words[place + 1 : place + 2]} & _UNITS
+        beside = {*words[place + 1 : place + 2]} & vocabulary.units
         before = [word for word in words[max(place - 1, 0) : place] if len(word) > 1]
         return bool(beside or {*before} & vocabulary.numbered.keys())
 
@@ -178,7 +178,7 @@ def _facts(
         if fact and following.isdecimal():
             facts[fact] = f"t{following}" if fact == "timepoint" else following
             place += 1
-        elif word.isdecimal() and following in _UNITS and "timepoint" not in facts:
+        elif word.isdecimal() and following in vocabulary.units and "timepoint" not in facts:
             facts["timepoint"] = f"{word}{following}"
             place += 1
         elif word in timepoints and "timepoint" not in facts and word not in telling:
@@ -196,9 +196,6 @@ def _facts(
             (n for n in vocabulary.conditions if f"_{n}_" in f"_{said}_"), said
         )
     return facts
-
-
-_UNITS = frozenset(["min", "mins", "minutes", "minuten", "h", "hours", "std"])
 
 
 def _later(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:

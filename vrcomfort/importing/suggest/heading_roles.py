@@ -86,7 +86,9 @@ def _fact_word(text: str, vocabulary: LabVocabulary, *, most: int) -> list[str]:
     said = tokens(text)
     words = set(said)
     sentence = len(said) >= FEWEST_OF_SENTENCE
-    if len(words) > most or (sentence and (said[0] in OPINIONS or words & PREFERENCES)):
+    if len(words) > most or (
+        sentence and (said[0] in vocabulary.starts or words & vocabulary.preferences)
+    ):
         return []
     pairs = ((vocabulary.numbered.get(word), number) for word, number in pairwise(said))
     if len(said) > _PAIR and any(f == "condition" and n.isdecimal() for f, n in pairs):
@@ -95,14 +97,6 @@ def _fact_word(text: str, vocabulary: LabVocabulary, *, most: int) -> list[str]:
 
 
 _PAIR = 2
-OPINIONS = frozenset(["how", "i", "wie", "ich"])
-"""Words with which questions begin that ask no fact: how comfortable was this condition?"""
-
-
-STATES = frozenset(["was", "were", "felt", "am", "i", "war", "waren", "fühlte", "ich", "était"])
-"""Words of statements about what was shown: it was a creative experience."""
-PREFERENCES = frozenset(["best", "worst", "like", "dislike", "prefer", "preferred"])
-"""Words of sentences that ask what people liked: which mode do you like best?"""
 
 
 def _label_inside(text: str, vocabulary: LabVocabulary) -> list[str]:
@@ -125,7 +119,7 @@ def _label(text: str, vocabulary: LabVocabulary, kind: Callable[[str], bool]) ->
 def _covariate_word(text: str, vocabulary: LabVocabulary) -> list[str]:
     said = tokens(text)
     words = set(said)
-    if len(words) > 6 or (len(said) >= FEWEST_OF_SENTENCE and words & STATES):
+    if len(words) > 6 or (len(said) >= FEWEST_OF_SENTENCE and words & vocabulary.states):
         return []
     return [name for name, known in vocabulary.covariate_words.items() if words & known]
 

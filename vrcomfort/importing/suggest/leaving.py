@@ -9,7 +9,6 @@ from vrcomfort.importing.answers import time_in_words_s
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.evidence import texts, values_of
 from vrcomfort.importing.suggest.heading_facts import common_start
-from vrcomfort.importing.suggest.ratings import MINUTES
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 
@@ -43,7 +42,7 @@ def find_leaving(table: SourceTable, columns: Sequence[int], known: Known) -> Fo
     if not found:
         return _left_in_words(table, columns, known.vocabulary)
     headings = [table.headings[column] for column in found]
-    minutes = any({*tokens(heading)} & MINUTES for heading in headings)
+    minutes = any({*tokens(heading)} & known.vocabulary.minutes for heading in headings)
     unit: Literal["s", "min"] = "min" if minutes else "s"
     if len(found) == 1:
         return FoundLeaving({found[0]: ""}, headings[0], unit)

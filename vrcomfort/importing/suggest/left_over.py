@@ -38,7 +38,6 @@ from vrcomfort.importing.suggest.items import Found
 from vrcomfort.importing.suggest.own_instruments import USUAL, AnswerRange, TakenFor
 from vrcomfort.importing.suggest.vocabulary import (
     FEWEST_OF_SENTENCE,
-    FIRST_PERSON,
     LabVocabulary,
     tokens,
 )
@@ -80,15 +79,15 @@ def left_over(
 
 def _answers_by_yes(context: Context, column: int) -> bool:
     """Return whether yes and no in a column are answers: to what one felt, or to each exposure."""
-    felt = in_first_person(context.table.headings[column])
+    felt = in_first_person(context.table.headings[column], context.vocabulary)
     who, several = context.participant, len(texts(context.table, column)) > 1
     return several and (felt or (who is not None and varies_within(context.table, column, who)))
 
 
-def in_first_person(heading: str) -> bool:
+def in_first_person(heading: str, vocabulary: LabVocabulary) -> bool:
     """Return whether a heading is a sentence such as ``I felt safe there``."""
     words = tokens(heading)
-    return len(words) >= FEWEST_OF_SENTENCE and bool(FIRST_PERSON & {*words})
+    return len(words) >= FEWEST_OF_SENTENCE and bool(vocabulary.first_person & {*words})
 
 
 def _reason(context: Context, column: int) -> str:

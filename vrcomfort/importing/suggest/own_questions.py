@@ -50,7 +50,6 @@ from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating, rises,
 from vrcomfort.importing.suggest.stems import Stem, shared_stems
 from vrcomfort.importing.suggest.vocabulary import (
     FEWEST_OF_SENTENCE,
-    FIRST_PERSON,
     Known,
     LabVocabulary,
     tokens,
@@ -359,7 +358,7 @@ class OwnQuestions:
 
     def _is_free(self, column: int) -> bool:
         """Return whether a sentence has a role by one of its words alone."""
-        if FIRST_PERSON & {*self._words(column)}:
+        if self._vocabulary.first_person & {*self._words(column)}:
             return True
         return column not in self._roles.metadata and column not in {
             columns[0] for columns in self._roles.facts.values() if columns
@@ -384,7 +383,7 @@ class OwnQuestions:
         items = [c for c in whole if self._scales[c].usual[:2] == scale.usual[:2]]
         if scale.step < 1 and left is None and len(items) >= _FEWEST_OF_BLOCK:
             return True
-        fillers = self._vocabulary.scale_fillers | self._vocabulary.totals | {"mean", "avg"}
+        fillers = self._vocabulary.scale_fillers | self._vocabulary.totals
         given = tokens(self._table.headings[column])
         words = {*given} if len(given) < FEWEST_OF_SENTENCE else set()
         own = {word for word in words - fillers - self._apart if not word.isdecimal()}

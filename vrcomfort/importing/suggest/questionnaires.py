@@ -31,7 +31,7 @@ from vrcomfort.importing.suggest.heading_roles import Roles
 from vrcomfort.importing.suggest.item_names import How, Named
 from vrcomfort.importing.suggest.items import Found, mentions, named_by_file
 from vrcomfort.importing.suggest.long_tables import Long
-from vrcomfort.importing.suggest.ratings import MINUTES, FoundCourse, FoundRating
+from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating
 from vrcomfort.importing.suggest.scores import parts_of
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
@@ -344,7 +344,8 @@ def draft_rating(
     (item,) = rating.instrument.items
     draft = TomlDraft({"instrument": rating.instrument.name, **facts})
     if rating.time is not None:
-        minutes = rating.counts or bool({*tokens(table.headings[rating.time])} & MINUTES)
+        said = {*tokens(table.headings[rating.time])} & known.vocabulary.minutes
+        minutes = rating.counts or bool(said)
         if rating.event is not None:
             column, text = rating.event
             table = replace(table, rows=tuple(r for r in table.rows if r[column] == text))

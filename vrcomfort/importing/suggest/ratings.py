@@ -109,10 +109,6 @@ def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[F
     return found or _numbered_columns(table, columns, known)
 
 
-MINUTES = frozenset(["min", "mins", "minute", "minutes", "minuten"])
-"""Words for minutes in the heading of a column of times."""
-
-
 def _among_events(table: SourceTable, known: Known) -> list[FoundRating]:
     """Return ratings among the events of a log: their scale's name, a time, and a value."""
     scales = {
@@ -186,7 +182,7 @@ def time_column(table: SourceTable, columns: Sequence[int], known: Known) -> int
     rising = [
         c
         for c in columns
-        if not headed or {*tokens(table.headings[c])} & (vocabulary.time_words | MINUTES)
+        if not headed or {*tokens(table.headings[c])} & (vocabulary.time_words | vocabulary.minutes)
         if rises(table, c)
     ]
     clocks = {re.sub(r"\d", "", table.headings[c]) for c in rising}

@@ -63,13 +63,6 @@ def find_scores(table: SourceTable, columns: Sequence[int], known: Known) -> lis
     return found or _by_condition(table, left, known)
 
 
-_PERFORMANCE = frozenset([
-    "clicks", "count", "distance", "duration", "error", "errors", "latency", "rt", "seconds",
-    "speed", "success", "time", "trial", "trials", "zeit",
-])  # fmt: skip
-"""Words for what was measured, and not answered."""
-
-
 def _in_rows(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundScores]:
     """Return the scores of a table with a row for each scale, which a column names."""
     labels = known.vocabulary.response_labels
@@ -108,7 +101,7 @@ def _by_condition(table: SourceTable, columns: Sequence[int], known: Known) -> l
         return []  # means and deviations
     for instrument in named if len(named) == 1 else ():
         free = [c for c in roles_of(table, columns, known.vocabulary).unknown if texts(table, c)]
-        free = [c for c in free if not {*tokens(table.headings[c])} & _PERFORMANCE]
+        free = [c for c in free if not {*tokens(table.headings[c])} & known.vocabulary.performance]
         totals = [c for c in free if _are_totals(table, c, instrument)]
         if len(totals) < len(free) and instrument.answers.step < 1:
             return []  # any number can be a total: these may be anything
@@ -149,13 +142,13 @@ def _of_instrument(
     table: SourceTable, columns: Sequence[int], instrument: Instrument, vocabulary: LabVocabulary
 ) -> list[FoundScores]:
     words = _scale_words(instrument, vocabulary)
-    fillers = vocabulary.scale_fillers
+    fillers, measures = vocabulary.scale_fillers, vocabulary.measures | vocabulary.performance
     groups: dict[tuple[str, ...], dict[str, int]] = {}
     for column in columns:
         named = _scale(table.headings[column], instrument, words, fillers)
         named = named or _bare_total(table, column, instrument)
         named = named or _of_file(table, column, instrument, fillers)
-        measured = {*tokens(table.headings[column])} & (vocabulary.measures | _PERFORMANCE)
+        measured = {*tokens(table.headings[column])} & measures
         if named is not None and not measured and _numeric(table, column):
             scale, context = named
             there = groups.setdefault(context, {})

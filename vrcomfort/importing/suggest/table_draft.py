@@ -490,7 +490,7 @@ class TableDraft(SaidByHeadings):
             column
             for column in self._roles.metadata
             if {*tokens(self.table.headings[column])} & self._vocabulary.measures
-            or in_first_person(self.table.headings[column])
+            or in_first_person(self.table.headings[column], self._vocabulary)
         ]
         sums = self._vocabulary.totals | self._vocabulary.scale_fillers
         return [

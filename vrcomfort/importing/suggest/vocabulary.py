@@ -37,7 +37,6 @@ _CAPITALS = re.compile(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 """Where a word begins inside ``preSSQ`` and ``SSQNausea``."""
 
 
-FIRST_PERSON = frozenset(["i", "me", "my", "ich", "mich", "mir", "je", "yo"])
 FEWEST_OF_SENTENCE = 4
 """Words of a heading, or of an item, that is taken for a sentence."""
 
@@ -88,6 +87,13 @@ class HeadingWords(Settings):
     words: _Words = ()
 
 
+class MeasureWords(HeadingWords):
+    """Words of headings of what was measured, and not answered."""
+
+    performance: _Words = ()
+    """Those that keep a column from being a score, and not from being an answer."""
+
+
 class FactLabels(Settings):
     """Headings of facts; where two share a word, the fact that stands first here has it."""
 
@@ -120,6 +126,14 @@ class QuestionLabels(Settings):
     """Words of longer headings, which are sentences."""
     others: _Words = ()
     """Words and phrases that ask no opinion."""
+    first_person: _Words = ()
+    second_person: _Words = ()
+    starts: _Words = ()
+    """First words of sentences that ask no fact: how comfortable was this condition?"""
+    states: _Words = ()
+    """Words of statements about what was shown: it was a creative experience."""
+    preferences: _Words = ()
+    """Words of sentences that ask what people liked: which mode do you like best?"""
 
 
 class LongLabels(Settings):
@@ -135,7 +149,9 @@ class RatingLabels(Settings):
     seconds: _Words = ()
     words: _Words = ()
     """Words of headings of times, where numbers rise from row to row."""
+    minutes: _Words = ()
     units: _Words = ()
+    """Of time, but for minutes."""
 
 
 class NumberedWords(Settings):
@@ -209,7 +225,7 @@ class VocabularyFile(Settings):
     """Words of headings of answers that say the condition."""
     trial_runs: dict[Word, Labels] = Field(default_factory=dict)
     """Kind of column → its headings, and its texts in rows of trial runs."""
-    measures: HeadingWords = HeadingWords()
+    measures: MeasureWords = MeasureWords()
     """Columns of what no questionnaire asks: physiology, performance, the room."""
     questions: QuestionLabels = QuestionLabels()
     leaving: Labels = Labels()
@@ -297,19 +313,20 @@ class LabVocabulary:
             for label in _plain_set(each["labels"])
         }
         """Heading → texts of trial runs below it."""
-        self.measures = _plain_set(merged["measures"]["words"])
-        asked = (merged["questions"][key] for key in ("words", "sentences", "others"))
-        self.asking_words, self.asking_sentences, self.asking_others = map(_plain_set, asked)
+        self.measures, self.performance = _sets(merged["measures"])
+        self.asking_words, self.asking_sentences, self.asking_others, *asked = _sets(
+            merged["questions"]
+        )
+        self.first_person, self.second_person, self.starts, self.states, self.preferences = asked
         self.leaving = tuple(tuple(tokens(label)) for label in merged["leaving"]["labels"])
         """Labels of leaving times, as words."""
         self.leaving_words = _plain_set(merged["leaving"]["words"])
-        self.item_labels, self.response_labels = map(_plain_set, merged["long"].values())
-        rated = (merged["ratings"][key] for key in ("seconds", "words", "units"))
-        self.seconds, self.time_words, self.units = map(_plain_set, rated)
+        self.item_labels, self.response_labels = _sets(merged["long"])
+        self.seconds, self.time_words, self.minutes, units = _sets(merged["ratings"])
+        self.units = units | self.minutes
         self.numbered = _looked_up(merged["numbered"])
         """Word before a number → fact."""
-        fillers = (merged["fillers"][key] for key in ("condition", "item", "scale"))
-        self.condition_fillers, self.item_fillers, self.scale_fillers = map(_plain_set, fillers)
+        self.condition_fillers, self.item_fillers, self.scale_fillers = _sets(merged["fillers"])
         self.scales = {name: _looked_up(words) for name, words in merged["scales"].items()}
         """Instrument → word → scale."""
         self.missing = frozenset(text.casefold() for text in merged["missing"])
@@ -537,6 +554,10 @@ _UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "ß": "ss", "ø": 
 
 def _plain_set(words: Iterable[str]) -> frozenset[str]:
     return frozenset(key for word in words for key in _keys(word))
+
+
+def _sets(table: Mapping[str, Iterable[str]]) -> Iterator[frozenset[str]]:
+    return map(_plain_set, table.values())
 
 
 def _word_sets(tables: Mapping[str, Any], key: str) -> dict[str, frozenset[str]]:
