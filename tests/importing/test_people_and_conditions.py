@@ -553,13 +553,6 @@ def test_a_row_of_a_grid_is_no_condition_whatever_the_grid_asks(tmp_path: Path) 
     assert found.conditions == ["all"]
 
 
-def test_codes_tell_people_apart_and_not_the_count_of_rows_in_front_of_them(tmp_path: Path) -> None:
-    people = [4, 2, 5, 3, 7, 6, 1, 9, 10, 8]
-    rows: list[Row] = [[n, f"P{p}", *answers(p)] for n, p in enumerate(people, 1)]
-    file = write(tmp_path / "ssq.csv", [["", "Nombre", *ITEMS], *rows, [11, "", *[""] * 6]])
-    assert conditions_of(suggest_mapping([file])).keys() == {f"P{p}" for p in people}
-
-
 def test_conditions_of_two_files_that_differ_in_case_are_one_and_asked_about(
     tmp_path: Path,
 ) -> None:

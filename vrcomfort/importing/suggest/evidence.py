@@ -143,21 +143,6 @@ def _counts_rows(context: Context, column: int) -> bool:
     return nameless and len(cells) > 1 and cells in (count[:-1], count[1:])
 
 
-def _codes_in_nearly_all_rows(context: Context, column: int) -> bool:
-    """Return whether one of the first columns has codes such as P4, each once, and a few blanks."""
-    first = [*context.roles.unknown[:FIRST_COLUMNS], *context.roles.metadata]
-    codes = [cell for cell in context.table.column(column) if cell]
-    found = [_CODE.fullmatch(code) for code in codes]
-    one_way = None not in found and len({code[1] for code in found if code is not None}) == 1
-    several = _FEWEST_PEOPLE <= len(codes) == len({*codes})
-    filled = len(codes) * 5 >= len(context.table.rows) * 4
-    return column in first and one_way and several and filled
-
-
-_CODE = re.compile(r"([^\W\d_]{1,12}[ _-]?)(\d+)")
-"""The code of a person: P01."""
-
-
 def _tells_people_apart(context: Context, column: int) -> bool:
     table = context.table
     named = table.headings[column] == KEY  # the names of the records of a JSON file
@@ -210,7 +195,7 @@ def _codes_in_equally_many_rows(context: Context, column: int) -> bool:
     They are equally often there, or count on from 1 behind one letter or word, or in the heading.
     """
     counts = Counter(cell for cell in context.table.column(column) if cell)
-    codes = [_CODE.fullmatch(text) for text in counts]
+    codes = [re.fullmatch(r"([^\W\d_]{1,12}[ _-]?)(\d+)", text) for text in counts]
     if column not in context.roles.unknown[:FIRST_COLUMNS] or len(counts) < _FEWEST_PEOPLE:
         return False
     if plain(context.table.headings[column]) == "s" and column != context.time:
@@ -564,9 +549,6 @@ CELLS: tuple[CellEvidence, ...] = (
         "participant", "short texts, others for each row or person", 30, _tells_people_apart,
     ),
     CODES_IN_ROWS,
-    CellEvidence(
-        "participant", "codes, each once, in nearly all rows", 8, _codes_in_nearly_all_rows,
-    ),
     CellEvidence(
         "participant", "numbers of rows without a heading", 5, _counts_rows,
         "it does, for want of another",
