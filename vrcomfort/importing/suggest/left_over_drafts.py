@@ -51,8 +51,7 @@ def with_left_over(draft: TableDraft, known: Known, *, alone: bool) -> TableDraf
     if not left and not own:
         return draft
     whole = TableDraft(draft.tables, known, left)
-    rows = len(whole.table.rows) > len(draft.table.rows)  # which may tell other columns apart
-    if rows or whole.left.keys() - left.keys():  # or some had a role for want of answers
+    if len(whole.table.rows) > len(draft.table.rows):  # which may tell other columns apart
         left = left | whole.left
         whole = TableDraft(draft.tables, known, left)
     if own := [*own, *whole.once_a_person()]:
