@@ -279,18 +279,6 @@ def test_things_ranked_in_words_are_conditions_and_the_order_of_the_words_is_ask
     assert [ranks[PEOPLE[0], thing, "post"] for thing in things] == [1, 2, 3]
 
 
-def test_columns_that_hold_the_same_films_in_other_orders_say_the_condition(tmp_path: Path) -> None:
-    films = ["461", "779", "880"]
-    head = ["ID", *(h for n in (1, 2, 3) for h in (f"film{n}", f"{n}_end_time", f"{n}_liking"))]
-    rows = [
-        [p, *(v for k in range(3) for v in (films[(n + k) % 3], 20.5 + n + k, 1 + (n + 2 * k) % 5))]
-        for n, p in enumerate(PEOPLE)
-    ]
-    imported = imported_from(write(tmp_path / "x.csv", [head, *rows]))
-    assert {*imported.conditions} == {*films}
-    assert answers(imported, "liking")["P02", "880", "post"] == 1 + (1 + 2) % 5
-
-
 def test_numbered_words_that_no_scale_knows_are_no_symptoms(tmp_path: Path) -> None:
     head = ["ID", *(f"{n}_liking" for n in range(1, 17)), "How realistic was it?"]
     rows = [[p, *["aime", "aime_pas"] * 8, 1 + n % 5] for n, p in enumerate(PEOPLE)]
