@@ -259,26 +259,6 @@ def test_a_third_row_of_headings_and_recoded_answers_beside_are_no_answers(tmp_p
     assert any("row 3 say the headings in other words" in doubt for doubt in found.doubts)
 
 
-def test_things_ranked_in_words_are_conditions_and_the_order_of_the_words_is_asked(
-    tmp_path: Path,
-) -> None:
-    said = [("Least easy", "In between", "Most easy"), ("Least fun", "In between", "The funniest")]
-    things = ("Wand", "Gaze", "Voice")
-    asked = ("Rank them by ease", "Rank them by fun")
-    head = ["ID", *(f"{text} [{thing}]" for text in asked for thing in things)]
-    rows = [
-        [p, *(words[(n * (k + 1) + t) % 3] for k, words in enumerate(said) for t in range(3))]
-        for n, p in enumerate(PEOPLE)
-    ]
-    found = suggest_mapping([write(tmp_path / "ranks.csv", [head, *rows])])
-    assert found.imported is not None
-    assert {*found.imported.conditions} == {*things}
-    order = "'Least fun' < 'In between' < 'The funniest'"
-    assert any("order do these ranks stand" in each and order in each for each in found.doubts)
-    ranks = answers(found.imported, "rank_them_by_fun")
-    assert [ranks[PEOPLE[0], thing, "post"] for thing in things] == [1, 2, 3]
-
-
 def test_numbered_words_that_no_scale_knows_are_no_symptoms(tmp_path: Path) -> None:
     head = ["ID", *(f"{n}_liking" for n in range(1, 17)), "How realistic was it?"]
     rows = [[p, *["aime", "aime_pas"] * 8, 1 + n % 5] for n, p in enumerate(PEOPLE)]
