@@ -192,18 +192,6 @@ def test_one_file_that_is_refused_with_other_columns_leaves_them_in_the_others(
     assert answers(imported, "depth")["P02", "b", "post"] == 4.25
 
 
-def test_rows_that_a_column_calls_first_are_baselines_wherever_they_stand(tmp_path: Path) -> None:
-    head = ["ID", "is_first_response", "type", *ENGLISH]
-    rows = [
-        [p, flag, kind, *[(n + k) % 4 for k in range(16)]]
-        for n, p in enumerate(PEOPLE)
-        for flag, kind in (("No", "DLC"), ("No", "MLC"), ("Yes", ""))
-    ]
-    imported = imported_from(write(tmp_path / "x.csv", [head, *rows]))
-    said = {(m.condition, m.timepoint) for _, m in imported.responses}
-    assert said == {("DLC", "post"), ("MLC", "post"), ("", "baseline")}
-
-
 def test_names_in_sheets_are_people_where_statistics_stand_in_other_sheets(tmp_path: Path) -> None:
     names = ("cx", "cyl", "dyh", "fjy", "lhz")
     files = [
