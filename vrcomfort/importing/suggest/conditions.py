@@ -346,10 +346,6 @@ class Conditions(FactDraft):
 
     def _repetitions(self) -> None:
         """Draft a count of exposures where a participant has a condition at a timepoint twice."""
-        runs = candidates("trial", self._roles.unknown, self._context)
-        if runs and "trial" not in self._context.columns:
-            self.use("trial", runs[0].column, count=True)
-            self.doubt_of(runs[0])
         if self._context.participant is None or self._context.time is not None:
             return  # ratings of one exposure are many rows of one condition
         keys = [self._context.participant, *self._answers.row_keys]

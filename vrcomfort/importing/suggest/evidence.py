@@ -12,7 +12,6 @@ import re
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import NamedTuple
 
 from vrcomfort.importing.answers import number
@@ -192,14 +191,12 @@ def _numbers_responses(context: Context, column: int) -> bool:
 def _codes_in_equally_many_rows(context: Context, column: int) -> bool:
     """Return whether a column of the first ones has codes such as P01, in several rows each.
 
-    They are equally often there, or count on from 1 behind one letter or word, or in the heading.
+    They are equally often there, or count on from 1 behind one letter or word.
     """
     counts = Counter(cell for cell in context.table.column(column) if cell)
     codes = [re.fullmatch(r"([^\W\d_]{1,12}[ _-]?)(\d+)", text) for text in counts]
     if column not in context.roles.unknown[:FIRST_COLUMNS] or len(counts) < _FEWEST_PEOPLE:
         return False
-    if plain(context.table.headings[column]) == "s" and column != context.time:
-        return all(map(str.isdecimal, counts)) and max(counts.values()) > 1
     parts = [(code[1], int(code[2])) for code in codes if code is not None]
     count_on = {number for _, number in parts} == {*range(1, len(counts) + 1)}
     one_way = count_on and len({word for word, _ in parts}) == 1
@@ -308,15 +305,6 @@ def _order_within_people(context: Context, column: int) -> bool:
     )
     named = context.roles.covariates.get("sequence") == column
     return named and within and is_numeric(context.table, column)
-
-
-def _runs_of_ratings(context: Context, column: int) -> bool:
-    if context.time in {None, column} or column not in context.roles.unknown:
-        return False
-    cells = context.table.column(column)
-    stays = sum(one == other for one, other in pairwise(cells))
-    several = len(texts(context.table, column)) > 1 and 2 * stays >= len(cells)
-    return several and varies_within(context.table, column, context.participant)
 
 
 def _differs_within_people(context: Context, column: int) -> bool:
@@ -566,10 +554,6 @@ CELLS: tuple[CellEvidence, ...] = (
     CellEvidence(
         "trial", "numbers of an order that differs within participants", 20, _order_within_people,
         "it is, from 1", "Is {heading!r} the place of an exposure in its order?",
-    ),
-    CellEvidence(
-        "trial", "texts beside ratings that differ within participants", 10, _runs_of_ratings,
-        "it does", "Does {heading!r} tell exposures apart?",
     ),
     BALANCED_WORDS,
     WORDS_WITHIN_PEOPLE,

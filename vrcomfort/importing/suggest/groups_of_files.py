@@ -120,21 +120,16 @@ def say_moments_of_files(drafts: Sequence[TableDraft], vocabulary: LabVocabulary
 def say_conditions_of_files(drafts: Sequence[TableDraft], vocabulary: LabVocabulary) -> None:
     """Let files that ask the same people some of the same say the condition by their names; ask."""
     silent = [d for d in drafts if d.draft.values.get("condition") == _ALL]
-    asked = {heading for draft in silent for heading in draft.table.headings}
-    one_file = [d for d in drafts if len(d.files) == 1]
-    alone = [d for d in one_file if d in silent or d.column_of("condition") in asked]
+    alone = [d for d in silent if len(d.files) == 1]
     alike = [d for d in alone if any(_ask_the_same(d, other) for other in alone if other is not d)]
     stems = [draft.table.file.stem for draft in alike]
     parts = parts_of_names(stems, ["condition"], vocabulary) if len(alike) > 1 else None
     if parts is None or len({*stems}) < len(stems):
         return
     for draft in alike:
-        if column := draft.column_of("condition"):  # which is none in other files that have it
-            draft.draft.put("ignore", [*draft.ignored, column])
         draft.draft.put("file_name", parts.template)
         del draft.draft.values["condition"]
-        wrong = (_ONE, f"Is {column!r} the condition")
-        draft.doubts = [d for d in draft.doubts if not d.question.startswith(wrong)]
+        draft.doubts = [d for d in draft.doubts if not d.question.startswith(_ONE)]
     question = f"Do the names of the files say the condition ({', '.join(stems)})?"
     assumed = f"they do: {', '.join(parts.texts['condition'])}"
     alike[0].doubts.append(OpenDoubt(question, assumed, CONDITIONS))

@@ -272,8 +272,6 @@ def _first_before(facts: list[dict[str, str]], doubts: list[OpenDoubt]) -> None:
     worded = len(others) == len({*named}) > 1 and not any(
         n.isdecimal() and len(n) < _CODE for n in named
     )
-    if first == {"condition": "0"} and worded:
-        first.clear()
     if not first and (later or worded):
         bare, when = first, "baseline"
     elif len(facts) != 2 or bare or first.get("timepoint") != "baseline":

@@ -77,7 +77,6 @@ _PARTS, _ROUNDED = (12, 8, 6, 5, 4, 3, 2), 0.051
 _FEWEST_FAR = 10
 """Codes for no answer that no number on a usual scale is, as -1 may be."""
 _CLOCK = frozenset(["t", "time", "zeit"])
-_ENDS_OF_CODE = re.compile(r"_(-?\d)_(\d{1,3})$")
 
 
 class OwnQuestions:
@@ -358,8 +357,6 @@ class OwnQuestions:
 
     def _is_free(self, column: int) -> bool:
         """Return whether a sentence has a role by one of its words alone."""
-        if self._vocabulary.first_person & {*self._words(column)}:
-            return True
         return column not in self._roles.metadata and column not in {
             columns[0] for columns in self._roles.facts.values() if columns
         }
@@ -530,9 +527,6 @@ class OwnQuestions:
         seen = self._scales[column] if left is None else left.scale
         alone = left is not None and (left.measured or not is_numeric(self._table, column))
         said = seen if alone else self._ends(column)
-        if said is None and (match := _ENDS_OF_CODE.search(self._table.headings[column])):
-            low, high = int(match[1]), int(match[2])
-            said = AnswerRange(low, high, seen.step) if _holds(low, high, seen) else None
         text = _NUMBERING.sub("", text)
         how: How = "name" if left is None else "measure" if left.measured else "left"
         words = kind_of_words(self._table, column, self._vocabulary)
