@@ -456,9 +456,6 @@ class OwnQuestions:
         words = tokens(_NUMBER_OF_ITEM.sub("", heading) + around[len(heading) :])
         context = tuple(w for n, w in enumerate(words) if self._tells(words, n))
         code = next((w for n, w in enumerate(words) if not self._tells(words, n)), "")
-        bare, told = self._told_in(text)
-        if len(self._wordings[bare]) > 1:
-            text, context = bare, (*context, *told)
         return self._made(column, text.strip(" -–:?.[]"), context, code if heading else "")
 
     def _parts(self, column: int) -> tuple[str, str, str] | None:
@@ -475,22 +472,6 @@ class OwnQuestions:
         if _is_whole(self._headings[column]):
             return self._headings[column].rest, "", self._headings[column].stem
         return None
-
-    def _told_in(self, text: str) -> tuple[str, Context]:
-        """Return a question without words of administrations, and these: ``[Blur] How sharp?``."""
-        words = words_of(text)
-        told = tuple(w.casefold() for w in words if w.casefold() in self._apart)
-        return " ".join(w for w in words if w.casefold() not in self._apart), told
-
-    @cached_property
-    def _wordings(self) -> dict[str, set[Context]]:
-        """Return question without words of administrations → these, wherever it is asked."""
-        found: dict[str, set[Context]] = defaultdict(set)
-        for column in (*self._scales, *self._left):
-            if parts := self._parts(column):
-                bare, told = self._told_in(parts[0])
-                found[bare].add(told)
-        return found
 
     def _short_question(self, column: int) -> OwnQuestion:
         """Return a question whose heading is all there is: words at its ends may be facts."""
