@@ -274,24 +274,6 @@ def test_yes_and_no_to_what_one_felt_are_answers_of_each_file(tmp_path: Path) ->
     assert felt == {(str(n), "visual", "post"): int((n + 1) % 3 > 0) for n in range(1, 9)}
 
 
-def test_runs_of_headings_under_the_names_of_conditions_stand_above_their_means(
-    tmp_path: Path,
-) -> None:
-    values = {"Rift": [1, 4, 5, 2, 2, 3], "Wall": [3, 3, 1, 4, 5, 5]}
-    head = ["Display", "Realism", "Ease"]
-    rows: list[list[object]] = [
-        [c for name, given in values.items() for c in (name if n < 5 else "", given[n], 1 + n % 5)]
-        for n in range(6)
-    ]
-    means = [sum(given) / 6 for given in values.values()]
-    below = ["", means[0], 2.66666667, "", means[1], 2.66666667]
-    spread = ["", 1.47, 1.5, "", 1.51, 1.5]
-    file = write(tmp_path / "x.csv", [head * 2, *rows, below, spread])
-    imported = imported_from(file)
-    found = answers(imported, "realism")
-    assert {c: [v for (_, d, _), v in found.items() if d == c] for c in values} == values
-
-
 def test_the_doubt_about_rows_of_means_says_how_to_read_them(tmp_path: Path) -> None:
     given = [[n % 5, n * 3 % 7] for n in range(11)]
     rows = [[f"P{n}", *each] for n, each in enumerate(given)]

@@ -318,18 +318,9 @@ def _table(grid: Grid, known: Known) -> SourceTable:
         reading = table.reading._replace(skip_rows=(*table.reading.skip_rows, *below))
         table = as_table(replace(grid, reading=reading))
     starts = repeated_runs(bare)
-    if len(starts) > 1 and (
-        names_fact(bare[0], "participant", known.vocabulary) or _name_runs(table, starts)
-    ):
+    if len(starts) > 1 and names_fact(bare[0], "participant", known.vocabulary):
         return as_table(replace(grid, reading=reading._replace(stack=True)))
     return table
-
-
-def _name_runs(table: SourceTable, starts: Sequence[int]) -> bool:
-    """Return whether the first column of each run of headings has one word, another for each."""
-    said = [{*table.column(start)} - {""} for start in starts]
-    words = {text for each in said for text in each if not is_number(text)}
-    return len(words) == len(said) and all(len(each) == 1 for each in said)
 
 
 def _lists_of_answers(table: SourceTable, known: Known) -> tuple[str, ...]:
