@@ -162,7 +162,7 @@ def test_an_export_with_a_row_for_each_question_of_two_tasks(tmp_path: Path) -> 
     )
 
 
-def test_two_flags_are_the_condition_and_a_code_of_noughts_is_nobody(tmp_path: Path) -> None:
+def test_two_flags_are_the_condition(tmp_path: Path) -> None:
     rows: list[list[object]] = [
         [
             "pid",
@@ -174,7 +174,6 @@ def test_two_flags_are_the_condition_and_a_code_of_noughts_is_nobody(tmp_path: P
             "end_misc",
         ]
     ]
-    rows.append(["000", 1, 0, 0, *[9] * 5])
     for n in range(1, 9):
         for trial in range(4):
             flags = divmod((n + trial) % 4, 2)

@@ -241,9 +241,7 @@ def test_tables_side_by_side_with_people_of_their_own_are_read_one_below_the_oth
     assert "stack = true" in suggest_mapping([file]).text
 
 
-def test_a_code_with_a_mark_is_a_person_again_where_the_condition_is_another(
-    tmp_path: Path,
-) -> None:
+def test_a_code_with_a_mark_is_asked_about(tmp_path: Path) -> None:
     marked = ("5", "5(2)", "6", "6(2)", "7", "7(2)")
     rows = [[code, *((n + k) % 5 + 1 for k in range(10))] for n, code in enumerate(marked)]
     alone = [["Participant ID", *STATEMENTS], *rows]
@@ -251,9 +249,6 @@ def test_a_code_with_a_mark_is_a_person_again_where_the_condition_is_another(
     assert found.imported is not None
     assert {*found.imported.participants} == {*marked}
     assert any("'5(2)' participant '5'" in doubt for doubt in found.doubts)
-    crossed = [[*row, "ab"[n % 2]] for n, row in enumerate(rows)]
-    file = write(tmp_path / "both.csv", [[*alone[0], "Condition"], *crossed])
-    assert {*imported_from(file).participants} == {*"567"}
 
 
 def test_words_under_a_heading_for_a_method_are_the_condition_of_groups(tmp_path: Path) -> None:

@@ -12,7 +12,6 @@ from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
 from vrcomfort.importing.files import (
     as_table,
-    is_number,
     marked_runs,
     numbers_in,
     read_grids,

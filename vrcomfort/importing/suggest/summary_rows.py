@@ -130,17 +130,6 @@ def _between_codes(cells: Sequence[str]) -> list[str]:
     return again if once and len(again) == 1 else []
 
 
-_PLACEHOLDER = re.compile(r"0+|9{2,}")
-
-
-def _placeholder_codes(codes: Sequence[str]) -> set[str]:
-    """Return the code ``000`` or ``999`` if it has fewer rows than each of the others."""
-    counts = Counter(code for code in codes if code)
-    found = {code for code in counts if _PLACEHOLDER.fullmatch(code)}
-    others = [count for code, count in counts.items() if code not in found]
-    return {code for code in found if others and counts[code] < min(others)}
-
-
 def rows_of_trial_runs(table: SourceTable, vocabulary: LabVocabulary) -> dict[int, list[str]]:
     """Return column → its texts in rows that are no person's, each row by one column.
 
@@ -157,7 +146,6 @@ def rows_of_trial_runs(table: SourceTable, vocabulary: LabVocabulary) -> dict[in
             words |= vocabulary.trial_runs.get("participant", frozenset())
         said = {row[column] for row in kept if plain(row[column]) in words}
         if person:
-            said |= _placeholder_codes([row[column] for row in kept])
             said |= {row[column] for row in kept if {*tokens(row[column])} & words}  # test123
         rest = tuple(row for row in kept if row[column] not in said)
         if said and len(rest) * 2 > len(table.rows):

@@ -23,7 +23,6 @@ from vrcomfort.importing.suggest.block_conditions import before_exposures
 from vrcomfort.importing.suggest.draft import (
     LEFT,
     LOST,
-    PEOPLE,
     SAME_PERSON,
     SCORE_KIND,
     STAYED,
@@ -68,8 +67,8 @@ def _stands_among(column: int, some: Collection[int], others: Collection[int]) -
 _SHOWN = 8
 """Columns that a doubt lists."""
 _AGAIN = re.compile(r" ?\(\d\)$")
-_COMPUTED = "an exact sum, or the reverse, of columns before"
 """The mark of a person's second questionnaire."""
+_COMPUTED = "an exact sum, or the reverse, of columns before"
 
 
 class TableDraft(SaidByHeadings):
@@ -374,7 +373,7 @@ class TableDraft(SaidByHeadings):
             self._asked_again(who)
 
     def _asked_again(self, column: int) -> None:
-        """Ask whether ``5(2)`` is ``5`` again: it is where condition or moment tell rows apart."""
+        """Ask whether ``5(2)`` is ``5`` again."""
         people = texts(self.table, column)
         again = {
             code: code[: -len(mark[0])].strip() for code in people if (mark := _AGAIN.search(code))
@@ -382,15 +381,10 @@ class TableDraft(SaidByHeadings):
         if not again or not {*again.values()} <= {*people}:
             return
         values = {"column": self.table.headings[column], "values": again}
-        assumed, stake = f"it is not; else participant = {toml_value(values)}", SAME_PERSON
-        facts = (self.draft.values.get(name) for name in ("condition", "timepoint"))
-        if any(isinstance(fact, dict) and "column" in fact for fact in facts):
-            self.draft.put("participant", values)
-            self.draft.put("trial", {"count": True}, "exposures in the order of the rows")
-            assumed, stake = "it is; exposures are numbered", PEOPLE
+        assumed = f"it is not; else participant = {toml_value(values)}"
         code, person = next(iter(again.items()))
         question = f"Is {code!r} participant {person!r} at another time?"
-        self.doubts.append(OpenDoubt(question, assumed, stake))
+        self.doubts.append(OpenDoubt(question, assumed, SAME_PERSON))
 
     @property
     def known(self) -> bool:
