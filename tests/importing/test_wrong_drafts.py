@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.layouts import CONDITIONS, ENGLISH, PEOPLE, write
+from tests.support.layouts import CONDITIONS, ENGLISH, ITEMS, PEOPLE, write
+from vrcomfort.errors import InputError
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.suggest import draft as stakes
 from vrcomfort.importing.suggest import suggest_mapping
@@ -224,3 +225,28 @@ def test_outcomes_of_a_log_beside_a_questionnaire_come_in_and_words_without_orde
     assert found.imported is not None
     assert {"estimate", "seconds"} <= items_of(found.imported)
     assert "May 'colour' be left out (they are no numbers" in found.doubts[0]
+
+
+def test_a_column_that_the_lab_calls_the_condition_beside_conditions_in_headings_is_refused(
+    tmp_path: Path,
+) -> None:
+    words = tmp_path / "words.toml"
+    words.write_text('[facts]\ncondition.labels = ["Lens"]\n', encoding="utf-8")
+    heads = [f"{display} {item}" for display in ("VR", "AR") for item in ITEMS]
+    rows = [[p, "ab"[n % 2], *[(n + k) % 4 for k in range(32)]] for n, p in enumerate(PEOPLE)]
+    file = write(tmp_path / "ssq.csv", [["ID", "Lens", *heads], *rows])
+    with pytest.raises(InputError, match="'Lens' the condition, but headings of answers say one"):
+        suggest_mapping([file], vocabularies=[words])
+
+
+def test_answers_after_exposure_of_no_condition_are_asked_about(tmp_path: Path) -> None:
+    shown = ["", "flat", "deep"]
+    rows = [
+        [p, shown[(n + k) % 3], *[(n + k + i) % 4 for i in range(16)]]
+        for n, p in enumerate(PEOPLE)
+        for k in range(3)
+    ]
+    file = write(tmp_path / "ssq.csv", [["ID", "Condition", *ITEMS], *rows])
+    found = suggest_mapping([file])
+    asked = f"Of which condition are {len(PEOPLE)} questionnaires after exposure"
+    assert any(doubt.startswith(asked) for doubt in found.doubts)

@@ -18,11 +18,12 @@ from vrcomfort.importing.files import (
     repeated_runs,
 )
 from vrcomfort.importing.mapping import parse_mapping
-from vrcomfort.importing.rows import Imported
+from vrcomfort.importing.rows import Administration, Imported
 from vrcomfort.importing.sections import sections
 from vrcomfort.importing.source import Grid, Reading, SourceTable
 from vrcomfort.importing.suggest.codebooks import is_codebook, with_codebooks
 from vrcomfort.importing.suggest.draft import (
+    CONDITIONS,
     LOST,
     NO_LABEL,
     REFUSED,
@@ -220,7 +221,7 @@ def _top(files: Sequence[Path], own: Collection[str], drafts: Sequence[TableDraf
 
 
 def _ask_of_lost(imported: Imported) -> Iterator[OpenDoubt]:
-    """Ask about rows of tables, and people, that have no answers: more than a few in a hundred."""
+    """Ask about rows and people without answers, if not a few, and answers of no condition."""
     lost = [each for each in imported.lost if each.rows * _FEW_IN > each.of]
     if lost:
         texts = [*dict.fromkeys(text for each in lost for text in each.texts)]
@@ -230,10 +231,19 @@ def _ask_of_lost(imported: Imported) -> Iterator[OpenDoubt]:
         what = f"{rows} of {of} rows of {listed(names, _SHOWN)} ({shown})"
         question = f"May {what} be left out? They are in no questionnaire."
         yield OpenDoubt(question, "yes", LOST)
+    blank = [m.participant for _, m in imported.responses if _lacks_condition(m)]
+    if blank and imported.conditions:
+        who = listed([*dict.fromkeys(blank)], _SHOWN)
+        question = f"Of which condition are {len(blank)} questionnaires after exposure ({who})?"
+        yield OpenDoubt(question, "of none, as nothing says it: no comparison has them", CONDITIONS)
     if len(imported.silent) * _FEW_IN > len(imported.participants):
         who = f"{len(imported.silent)} of {len(imported.participants)} participants"
         question = f"Have {who} no answers ({listed(imported.silent, _SHOWN)})?"
         yield OpenDoubt(question, "they have none", LOST)
+
+
+def _lacks_condition(administration: Administration) -> bool:
+    return not administration.condition and administration.timepoint != "baseline"
 
 
 _FEW_IN, _SHOWN = 20, 5

@@ -81,7 +81,7 @@ def _often(said: Mapping[str, Sequence[str]]) -> set[str]:
 def legend(text: str) -> dict[str, str]:
     """Return number → meaning of ``1 = not at all, 2 = slightly``; nothing of other texts."""
     found = {code: words.strip(" ,;|") for code, words in _PAIR.findall(text)}
-    return found if len(found) > 1 else {}
+    return found if len(found) > 1 and all(found.values()) else {}
 
 
 def _explained(book: SourceTable, table: SourceTable) -> Iterator[tuple[str, list[str]]]:

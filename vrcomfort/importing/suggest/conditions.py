@@ -8,6 +8,7 @@ from difflib import SequenceMatcher
 from itertools import combinations
 from math import prod
 
+from vrcomfort.errors import InputError
 from vrcomfort.importing.suggest.draft import (
     CONDITIONS,
     ORDER,
@@ -65,6 +66,7 @@ class Conditions(FactDraft):
             when = self._vocabulary.timepoint
             columns += [c for c in events if not any(map(when, texts(self._table, c)))]
         if told := [c for c in columns if self._vocabulary.told(self.heading(c)) == "condition"]:
+            self._require_silent_headings(told)
             self._told(told)
             return
         columns = [c for c in columns if texts(self._table, c) and not self._is_setting(c)]
@@ -83,6 +85,14 @@ class Conditions(FactDraft):
             self._several_conditions(columns)
         else:
             self._guess_condition()
+
+    def _require_silent_headings(self, columns: list[int]) -> None:
+        """Raise `InputError` where headings of answers say conditions beside the lab's columns."""
+        if "condition" in self._answers.said:
+            names = ", ".join(repr(self.heading(column)) for column in columns)
+            message = f"words.toml calls {names} the condition, but headings of answers say one"
+            cure = "write it below [covariates.group], or take it out of condition.labels"
+            raise InputError(f"{message}; {cure}", file=self._table.file)
 
     def _told(self, columns: list[int]) -> None:
         """Take the columns that the lab says are the condition, all of them together."""

@@ -83,7 +83,8 @@ def _groups_in(table: SourceTable, heading: str, vocabulary: LabVocabulary) -> d
         return {}
     groups: dict[str, list[str]] = {}
     for person, text in zip(people, table.column(columns[0]), strict=True):
-        groups.setdefault(table.meaning(columns[0], text), []).append(person)
+        if name := table.meaning(columns[0], text):
+            groups.setdefault(name, []).append(person)
     return groups
 
 

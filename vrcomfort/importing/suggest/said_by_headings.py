@@ -295,6 +295,8 @@ class SaidByHeadings(KeptRows):
         if len({*moments.values()}) < len(moments):
             return []
         names = ["_".join(words_of(row[1 - whens[0]])) for row in rows]
+        if not all(names):
+            return []
         self.labels |= {n: row[1 - whens[0]] for n, row in zip(names, rows, strict=True)}
         return [
             {"condition": name, "timepoint": moments[row[whens[0]]]}
