@@ -241,12 +241,13 @@ def test_a_column_that_the_lab_calls_the_condition_beside_conditions_in_headings
 
 def test_answers_after_exposure_of_no_condition_are_asked_about(tmp_path: Path) -> None:
     shown = ["", "flat", "deep"]
+    head = ["ID", "Condition", *ITEMS, "Which one was best, all in all? (1-7)"]
     rows = [
-        [p, shown[(n + k) % 3], *[(n + k + i) % 4 for i in range(16)]]
+        [p, shown[(n + k) % 3], *[(n + k + i) % 4 for i in range(16)], ""]
         for n, p in enumerate(PEOPLE)
         for k in range(3)
     ]
-    file = write(tmp_path / "ssq.csv", [["ID", "Condition", *ITEMS], *rows])
-    found = suggest_mapping([file])
+    once = [[p, "", *[""] * 16, 1 + n % 7] for n, p in enumerate(PEOPLE)]  # of no condition
+    found = suggest_mapping([write(tmp_path / "ssq.csv", [head, *rows, *once])])
     asked = f"Of which condition are {len(PEOPLE)} questionnaires after exposure"
     assert any(doubt.startswith(asked) for doubt in found.doubts)

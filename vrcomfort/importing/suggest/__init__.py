@@ -18,7 +18,7 @@ from vrcomfort.importing.files import (
     repeated_runs,
 )
 from vrcomfort.importing.mapping import parse_mapping
-from vrcomfort.importing.rows import Administration, Imported
+from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.sections import sections
 from vrcomfort.importing.source import Grid, Reading, SourceTable
 from vrcomfort.importing.suggest.codebooks import is_codebook, with_codebooks
@@ -231,8 +231,10 @@ def _ask_of_lost(imported: Imported) -> Iterator[OpenDoubt]:
         what = f"{rows} of {of} rows of {listed(names, _SHOWN)} ({shown})"
         question = f"May {what} be left out? They are in no questionnaire."
         yield OpenDoubt(question, "yes", LOST)
-    blank = [m.participant for _, m in imported.responses if _lacks_condition(m)]
-    if blank and imported.conditions:
+    said = {name for name, m in imported.responses if m.condition}
+    after = ((name, m) for name, m in imported.responses if m.timepoint != "baseline")
+    blank = [m.participant for name, m in after if name in said and not m.condition]
+    if blank:
         who = listed([*dict.fromkeys(blank)], _SHOWN)
         question = f"Of which condition are {len(blank)} questionnaires after exposure ({who})?"
         yield OpenDoubt(question, "of none, as nothing says it: no comparison has them", CONDITIONS)
@@ -240,10 +242,6 @@ def _ask_of_lost(imported: Imported) -> Iterator[OpenDoubt]:
         who = f"{len(imported.silent)} of {len(imported.participants)} participants"
         question = f"Have {who} no answers ({listed(imported.silent, _SHOWN)})?"
         yield OpenDoubt(question, "they have none", LOST)
-
-
-def _lacks_condition(administration: Administration) -> bool:
-    return not administration.condition and administration.timepoint != "baseline"
 
 
 _FEW_IN, _SHOWN = 20, 5
