@@ -14,6 +14,8 @@ from vrcomfort.importing import import_files, load_mapping, parse_mapping, write
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.suggest import suggest_mapping
 from vrcomfort.questionnaire import shipped_instruments
+from vrcomfort.report.rated_exposures import rated_exposures
+from vrcomfort.report.ratings.survival import times_to_withdrawal
 from vrcomfort.report.study_data import read_study
 
 
@@ -225,6 +227,24 @@ def test_leaving_times_become_ends_of_exposures_in_the_report(tmp_path: Path) ->
     assert ends["P3", "blur"] == (300.5, "withdrawn")
     assert ends["P2", "plain"] == ends["P5", "blur"] == (600.0, "completed")
     assert sum(status == "withdrawn" for _, status in ends.values()) == 3
+
+
+def test_no_leaving_time_is_the_length_of_an_exposure_that_nobody_left(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["ID", "Condition", "left_at_s", *ITEMS]]
+    gone = {2: 728, 4: 83.5, 5: 270}
+    rows += [[f"P{n}", "ab"[n % 2], gone.get(n, ""), *ANSWERS] for n in range(9)]
+    file, mapping = write(tmp_path / "a.csv", rows), tmp_path / "map.toml"
+    study = tmp_path / "study"
+    suggested = suggest_mapping([file])
+    assert any("How long was an exposure" in doubt for doubt in suggested.doubts)
+    mapping.write_text(suggested.text.replace('answer = ""', 'answer = "yes"'), encoding="utf-8")
+    loaded = load_mapping(mapping)
+    write_study(study, import_files([file], loaded.mapping), loaded, [file])
+    trials = read_study(study).trials
+    ends = {t["participant"]: (t["end_s"], t["status"]) for t in trials}
+    assert ends["P2"] == ("728.0", "withdrawn")
+    assert ends["P0"] == ends["P8"] == ("", "completed")
+    assert not times_to_withdrawal(rated_exposures(read_study(study), ""))
 
 
 def test_leaving_times_of_several_conditions_stand_side_by_side(tmp_path: Path) -> None:

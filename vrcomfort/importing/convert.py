@@ -148,15 +148,15 @@ class TableImport:
             facts = {name: text for name, text in facts.items() if name != "timepoint"}
             administration = self._administration(facts, row)._replace(timepoint="")
             if all(each.administration != administration for each in self._imported.ends):
-                end_s = self._end_s(leaving, cells[column], row, column)
-                end = ExposureEnd(
-                    administration, min(end_s, leaving.planned_s), left=end_s < leaving.planned_s
-                )
+                end_s = self._left_s(leaving, cells[column], row, column)
+                planned_s = leaving.planned_s
+                left = end_s is not None and (planned_s is None or end_s < planned_s)
+                end = ExposureEnd(administration, end_s if left else planned_s, left=left)
                 self._imported.ends.append(end)
 
-    def _end_s(self, leaving: Leaving, text: str, row: int, column: int) -> float:
+    def _left_s(self, leaving: Leaving, text: str, row: int, column: int) -> float | None:
         if text in {"", *leaving.missing, *self._mapping.missing}:
-            return leaving.planned_s
+            return None
         value = number(text, self._table.decimal)
         in_words_s = time_in_words_s(text)
         if in_words_s is None and (value is None or value < 0):

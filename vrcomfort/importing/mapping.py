@@ -181,8 +181,9 @@ class Leaving(Settings):
     heading: str
     """The column of the times, or how their headings are made: ``{condition}_left_at_s``."""
     unit: Literal["s", "min"] = "s"
-    planned_s: Annotated[float, Field(gt=0)]
-    """The length of an exposure that nobody leaves: that of blank cells, and of times as long."""
+    planned_s: Annotated[float, Field(gt=0)] | None = None
+    """The length of an exposure that nobody leaves: that of blank cells, and of times as long.
+    Without it, blank cells have no length, and every time is one at which somebody left."""
     missing: tuple[str, ...] = ()
     """Texts that mean that the participant stayed, beside the blank."""
 

@@ -66,7 +66,7 @@ def _counts(imported: Imported) -> list[str]:
     if imported.ends:
         left = Counter(end.administration.condition for end in imported.ends if end.left)
         shown = ", ".join(f"{n} {name or '(no condition)'}" for name, n in left.items())
-        lines.append(f"{len(imported.ends)} exposures with their length; left: {shown or 'none'}")
+        lines.append(f"{len(imported.ends)} exposures; left: {shown or 'none'}")
     people = counted(len(imported.participants), "participants")
     total = f"{people}, {counted(len(imported.conditions), 'conditions')}"
     names = ", ".join(imported.covariates)

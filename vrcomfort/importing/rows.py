@@ -96,7 +96,7 @@ class ExposureEnd(NamedTuple):
     """How long an exposure lasted, and whether its participant left it."""
 
     administration: Administration
-    end_s: float
+    end_s: float | None
     left: bool
 
 

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 
-from vrcomfort.importing.answers import number, time_in_words_s
+from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.answer_columns import (
@@ -66,6 +66,8 @@ def _stands_among(column: int, some: Collection[int], others: Collection[int]) -
 
 _SHOWN = 8
 """Columns that a doubt lists."""
+_FEWEST_STAYED = 3
+"""People with the longest time, half of all: it is the length of the exposure. One has left."""
 _AGAIN = re.compile(r" ?\(\d\)$")
 """The mark of a person's second questionnaire."""
 _COMPUTED = "an exact sum, or the reverse, of columns before"
@@ -225,18 +227,18 @@ class TableDraft(SaidByHeadings):
         """Draft when participants left exposures, and ask how long exposures were to be."""
         if self._leaving is None:
             return
-        decimal = self.table.decimal
         columns, heading, unit, stayed = self._leaving
         cells = [row[column] for row in self.table.rows for column in columns]
-        longest_s = max((number(cell, decimal) or 0.0 for cell in cells), default=0.0)
-        longest_s *= 60 if unit == "min" else 1
-        planned_s = max([longest_s, *(time_in_words_s(cell) or 0.0 for cell in cells)])
-        if stayed:  # who has a time has left, so the exposure was longer: to the next minute
-            planned_s = 60.0 * (planned_s // 60 + 1)
-        said: dict[str, object] = {"heading": heading, "unit": unit, "planned_s": planned_s}
+        times = [value for cell in cells if (value := number(cell, self.table.decimal)) is not None]
+        said: dict[str, object] = {"heading": heading, "unit": unit}
+        question = f"How long was an exposure that nobody left, of which {heading!r} says nothing?"
+        assumed = "of unknown length: who has a time has left, who has none has stayed to the end"
+        whole = times.count(max(times, default=0.0))
+        if not stayed and whole >= _FEWEST_STAYED and 2 * whole >= len(times):
+            said["planned_s"] = max(times) * (60 if unit == "min" else 1)
+            question = f"Was an exposure that nobody left {said['planned_s']:g} s long?"
+            assumed = "it was: who has this time, or none, stayed to the end"
         self.draft.put("left_at", {**said, "missing": list(stayed)} if stayed else said)
-        question = f"Was an exposure that nobody left {planned_s:g} s long?"
-        assumed = "it was: who has this time, or none, stayed to the end"
         self.doubts.append(OpenDoubt(question, assumed, STAYED))
 
     def _questionnaires(self) -> None:
