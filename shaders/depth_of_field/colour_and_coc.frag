@@ -10,6 +10,7 @@
 #include "eyes.glsl"
 #include "coc.glsl"
 #include "coc_of_depth.glsl"
+#include "coverage.glsl"
 
 #include "finite.glsl"
 
@@ -27,4 +28,7 @@ void main() {
 #endif
     point.rgb = finite(texel_of(colour, pixel).rgb);
     point.a = radius_at(z, gl_FragCoord.xy / vec2(size_of(depth)));
+#ifdef WITH_COVERAGE
+    point.a = with_coverage(point.a, 1.0);  // what is behind has one sample
+#endif
 }

@@ -36,6 +36,7 @@
 // pixels want is a loop.
 #include "eyes.glsl"
 #include "coc.glsl"
+#include "coverage.glsl"
 #include "discs.glsl"
 #include "levels.glsl"
 #include "layers.glsl"
@@ -130,9 +131,13 @@ float nearer_than_p(float q) {
     return near_end * nearer(p.a, q);
 }
 
+// In front of the focus, from where on what p hides is seen within p's own disc rather than by the discs of what is
+// behind. Where near things are drawn apart, p's disc is narrower.
+const float WIDE_NEAR_PX = 2.0;
+
 // The radius of a disc behind p (px).
 float radius_behind(float q) {
-    return p.a > 0.0 ? max(abs(q), own_px) : own_px;
+    return mix(max(abs(q), own_px), own_px, clamp(-p.a - WIDE_NEAR_PX, 0.0, 1.0));
 }
 
 float behind_px = 0.0;  // the widest disc of what is seen past p's silhouette, 0 if nothing is
@@ -154,6 +159,26 @@ void add_surface(float own, vec4 found, float free) {
     surface += own > 0.0 ? own * (all > 1e-4 ? found / all : vec4(p.rgb, 1.0)) : vec4(0.0);
 }
 
+// Of a pixel at a silhouette the light is both surfaces': less what is seen beside the nearer one, as sharp as it is there.
+vec4 without(vec4 sum, float less, vec4 beside) {
+    return less > 0.0 ? max(sum - less * vec4(beside.rgb / beside.a, 1.0), vec4(0.0)) : sum;
+}
+
+// In focus, p is its own surface where it covers the pixel, and past it what is behind shows.
+void gather_in_focus(float less) {
+    vec4 beside = vec4(0.0);
+    ivec2 last = size_of(colour_and_coc) - 1;
+    int around = less > 0.0 ? 1 : -1;
+    for (int y = -around; y <= around; ++y)
+        for (int x = -around; x <= around; ++x) {
+            vec4 q = texel_of(colour_and_coc, clamp(pixel + ivec2(x, y), ivec2(0), last));
+            float shows = coverage_of(q.a) < 1.0 ? 0.0 : farther(q.a) * (1.0 - lamp_part(q));
+            note_behind(q.a, shows);
+            beside += shows * vec4(q.rgb, 1.0);
+        }
+    surface = without(vec4(p.rgb, 1.0), beside.a > 0.0 ? less : 0.0, beside);
+}
+
 // All pixels around: the surface where `own`, and, unless it is left out, the foreground that is drawn on pixels.
 void gather_pixels(float own, float foreground_px, bool with_foreground) {
     float slack_px = slack_of(own_px);
@@ -161,8 +186,8 @@ void gather_pixels(float own, float foreground_px, bool with_foreground) {
     float reach = widest_px > 0.0 ? grid_radius_px(widest_px) + 0.5 * RIM_PX : -1.0;
     int rows = int(floor(reach * pixel_aspect));
     ivec2 last = size_of(colour_and_coc) - 1;
-    vec4 found = vec4(0.0), over = vec4(0.0);
-    float free = 0.0;
+    vec4 found = vec4(0.0), over = vec4(0.0), beside = vec4(0.0);
+    float free = 0.0, found_less = 0.0, over_less = 0.0;
     for (int y = -rows; y <= rows; ++y) {
         float row = float(y) / pixel_aspect;
         int cells = int(cells_of(row, reach));
@@ -174,16 +199,23 @@ void gather_pixels(float own, float foreground_px, bool with_foreground) {
             float is_nearer = nearer_than_p(q.a), is_farther = farther(q.a);
             float as_own = clamp(radius, own_px - slack_px, own_px + slack_px);
             float share = disc_share(away, grid_radius_px(mix(as_own, radius, is_nearer)));
-            found += (1.0 - is_nearer - is_farther) * share * vec4(q.rgb, 1.0);
+            float as_found = (1.0 - is_nearer - is_farther) * share, less = 1.0 - coverage_of(q.a);
+            found += as_found * vec4(q.rgb, 1.0);
             free += is_farther * share;
+            found_less += as_found * less;
             note_behind(q.a, is_farther * share);
-            if (with_foreground)
-                over += (radius > 0.5 ? is_nearer * (1.0 - coarser_part(0, radius)) : 0.0)
-                      * share * vec4(q.rgb, 1.0);
+            float shows = less > 0.0 ? 0.0 : 1.0 - lamp_part(q);
+            beside += shows * (own > 0.0 ? is_farther : 1.0 - is_nearer) * share * vec4(q.rgb, 1.0);
+            if (with_foreground) {
+                float comes = (radius > 0.5 ? is_nearer * (1.0 - coarser_part(0, radius)) : 0.0) * share;
+                over += comes * vec4(q.rgb, 1.0);
+                over_less += comes * less;
+            }
         }
     }
-    add_surface(own, found, free);
-    foreground += over / (PI * pixel_aspect);
+    found_less = own > 0.0 && beside.a > 0.0 ? found_less : 0.0;
+    add_surface(own, without(found, found_less, beside), free + found_less);
+    foreground += without(over, beside.a > 0.0 ? over_less : 0.0, beside) / (PI * pixel_aspect);
 }
 
 // All pixels around: what is behind and drawn on pixels.
@@ -251,8 +283,8 @@ void gather_texels(ueye_image layers, int level, float own, float foreground_px,
             float back_own = 1.0 - back_farther - (is_rim ? nearer(p.a, q.back.a) : back_nearer);
             found += share * (front * front_own * vec4(q.front.rgb, 1.0) + back * back_own * vec4(q.back.rgb, 1.0));
             free += share * (front * front_farther + back * back_farther);
-            note_behind(q.front.a, share * front * front_farther);
-            note_behind(q.back.a, share * back * back_farther);
+            note_behind(q.front.a, own > 0.0 ? share * front * front_farther : 0.0);
+            note_behind(q.back.a, own > 0.0 ? share * back * back_farther : 0.0);
             if (with_foreground) {
                 float front_px = abs(q.front.a), back_px = abs(q.back.a);
                 over += front_nearer * front * level_part(level, front_px)
@@ -332,7 +364,8 @@ void gather_level(ueye_image layers, int level) {
 }
 
 void main() {
-    surface = own_px <= 0.5 ? vec4(p.rgb, 1.0) : vec4(0.0);
+    if (own_px <= 0.5)
+        gather_in_focus(near_end * (1.0 - coverage_of(p.a)));
     gather_level_0();
 #define GATHER(level) gather_level(layers[level - 1], level);
     EACH_COARSER_LEVEL(GATHER)
@@ -345,5 +378,5 @@ void main() {
                                : surface.rgb / max(surface.a, 1e-5);
     vec3 over = foreground.a > 0.0 ? foreground.rgb / foreground.a : vec3(0.0);
     vec3 all = mix(own, over, min(foreground.a, 1.0));
-    blurred = vec4(own_px <= 0.5 && foreground.a <= 0.0 ? p.rgb : min(all, HALF_MAX), 1.0);
+    blurred = vec4(own_px <= 0.5 && surface.a >= 1.0 && foreground.a <= 0.0 ? p.rgb : min(all, HALF_MAX), 1.0);
 }

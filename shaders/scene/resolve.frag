@@ -16,7 +16,8 @@
 //         its pixel; COC: what include/coc_of_depth.glsl needs.
 // Output: colour with alpha 1, gl_FragDepth; VELOCITY: velocity, px per frame; COC: finite colour, alpha
 //         = signed CoC RADIUS in pixels of image width, negative in front of the focus. A half float
-//         holds 11 px to 1/256 px.
+//         holds 11 px to 1/256 px. WITH_COVERAGE: its last bits are the part of the pixel that its surface covers
+//         (include/coverage.glsl).
 // Source: of the radius, Carnegie & Rhee 2015, Algorithm 1; PERIPHERAL: Hillaire et al. 2008, Eq. 5 and 6.
 #include "eyes.glsl"
 #ifdef VELOCITY
@@ -26,11 +27,16 @@
 #ifdef COC
 #include "coc.glsl"
 #include "coc_of_depth.glsl"
+#include "coverage.glsl"
 #include "finite.glsl"
 #endif
 uniform sampler2DMS colors;
 uniform sampler2DMS depths;
 layout(location = 0) out vec4 color;
+#ifdef WITH_COVERAGE
+// How much farther, in radius, what is seen beside a pixel's surface is no part of it, as in complex.frag.
+const float END_PX = 0.5, END_PART = 0.4;
+#endif
 #ifdef VELOCITY
 uniform sampler2DMS velocities;
 layout(location = 1) out vec2 velocity;
@@ -52,6 +58,9 @@ void main() {
 #ifdef COC
     vec2 brightest = vec2(-1.0), nearest_light = vec2(0.0);  // light, depth
 #endif
+#ifdef WITH_COVERAGE
+    float farthest = 2.0, places[SAMPLES];  // depths
+#endif
     for (int i = 0; i < SAMPLES; ++i) {
         vec3 c = texelFetch(colors, pixel, i).rgb;
         float d = texelFetch(depths, pixel, i).r;
@@ -68,6 +77,10 @@ void main() {
         sum += c;
         nearest = d > depth ? i : nearest;
         depth = max(d, depth);
+#ifdef WITH_COVERAGE
+        farthest = min(d, farthest);
+        places[i] = d;
+#endif
     }
 #ifdef BY_BRIGHTNESS
     color = vec4(sum / weights, 1.0);
@@ -79,6 +92,16 @@ void main() {
     vec2 at = gl_FragCoord.xy * (1.0 / vec2(textureSize(colors)));
     float lit = brightest.x > OUTSHINES * (1.0 + nearest_light.x) ? brightest.y : depth;
     color = vec4(finite(color.rgb), radius_at(lit, at));
+#ifdef WITH_COVERAGE
+    bool ends = lit == depth && radius_at(farthest, at) - color.a > END_PX + END_PART * abs(color.a);
+    float between = 0.5 * (depth + farthest), covered = 0.0;
+    for (int i = 0; i < SAMPLES; ++i)
+        covered += places[i] >= between ? 1.0 / float(SAMPLES) : 0.0;
+#ifdef BY_BRIGHTNESS
+    covered = 1.0;  // colour is no mean by coverage
+#endif
+    color.a = with_coverage(color.a, ends ? covered : 1.0);
+#endif
 #endif
 #ifdef VELOCITY
     velocity = texelFetch(velocities, pixel, nearest).rg;

@@ -214,6 +214,12 @@ class CocPasses:
         """Largest radius that the last eyes could have: `max_diameter_arcmin` may make it less."""
         self._least_max_radius_px = self.max_radius_px
         self.depth_to_coc = DepthToCoc(inputs)
+        layered = self.settings.kernel == "vrcomfort" and (
+            self.settings.samples != blur_kernels.HALF_GATHER_SAMPLES
+        )
+        known = layered and self._resolve is not None
+        self.coverage: dict[str, Any] = {"WITH_COVERAGE": 1} if known else {}
+        """Defines of ``include/coverage.glsl``."""
         self._is_rendered = False
         self.tile_px = TILE_PX
         """Side of :attr:`tile_min_max`."""
@@ -225,6 +231,7 @@ class CocPasses:
             "EACH_COARSER_LEVEL(f)": each_level(1, levels),
             "WIDER": blur_kernels.WIDER,
             "FADED": blur_kernels.CROSS_FADE_FROM,
+            **self.coverage,
         }
         """Defines of ``include/levels.glsl``."""
         self._tile_min_max = CocTileMinMax(
@@ -278,7 +285,8 @@ class CocPasses:
     def _with_radii(self) -> AnyTexture:
         if self._resolve is not None:
             found = self.depth_to_coc
-            self._resolve.write_radii(Radii(found.inputs, found.defines, found.see_with))
+            defines = {**found.defines, **self.coverage}
+            self._resolve.write_radii(Radii(found.inputs, defines, found.see_with))
             return self._colour
         inputs = {"colour": self._colour}
         self._beside = self.depth_to_coc.make_pass(

@@ -151,7 +151,11 @@ class NearThings:
             "depth_of_field/colour_and_coc.frag",
             size_px=coc.size_px,
             inputs={"colour": blurred, "depth": behind_depth, "dilated": self._classes},
-            defines={"BEHIND_NEAR": 1, **of_class("BEHIND", coc.tile_px, beside=looked.beside)},
+            defines={
+                "BEHIND_NEAR": 1,
+                **coc.coverage,
+                **of_class("BEHIND", coc.tile_px, beside=looked.beside),
+            },
             target=colour,
             reach_px={"colour": DRAWN, "depth": DRAWN, "dilated": DRAWN},
             **on_tiles(self._classes),
