@@ -10,15 +10,7 @@ from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.answers import AnswerReader, number, time_in_words_s
-from vrcomfort.importing.columns import (
-    ALMOST,
-    TIMEPOINT,
-    Block,
-    Columns,
-    Numbers,
-    RowFacts,
-    nearly_named,
-)
+from vrcomfort.importing.columns import ALMOST, Block, Columns, nearly_named
 from vrcomfort.importing.files import as_table, read_grids
 from vrcomfort.importing.made_instruments import MOST, ScoreInstrument, name_of, on_scale, sum_up
 from vrcomfort.importing.mapping import (
@@ -32,6 +24,7 @@ from vrcomfort.importing.mapping import (
     matches,
     scale_named,
 )
+from vrcomfort.importing.row_facts import TIMEPOINT, Numbers, RowFacts
 from vrcomfort.importing.rows import (
     Administration,
     AnsweredAgainError,

@@ -10,13 +10,7 @@ from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
-from vrcomfort.importing.files import (
-    as_table,
-    marked_runs,
-    numbers_in,
-    read_grids,
-    repeated_runs,
-)
+from vrcomfort.importing.files import as_table, marked_runs, numbers_in, read_grids, repeated_runs
 from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.sections import sections

@@ -13,8 +13,8 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from vrcomfort.csv_table import plain_digits
 from vrcomfort.importing.answers import number
-from vrcomfort.importing.columns import conditions_in
 from vrcomfort.importing.files import is_number
+from vrcomfort.importing.row_facts import conditions_in
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.evidence import (
     LONGEST_CONDITION,

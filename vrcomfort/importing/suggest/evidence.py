@@ -17,12 +17,7 @@ from typing import NamedTuple
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.heading_roles import (
-    Roles,
-    around,
-    is_personal,
-    names_fact,
-)
+from vrcomfort.importing.suggest.heading_roles import Roles, around, is_personal, names_fact
 from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, LabVocabulary, tokens
 from vrcomfort.importing.text_files import KEY
 from vrcomfort.questionnaire import plain

@@ -36,11 +36,7 @@ from vrcomfort.importing.suggest.evidence import (
 from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.items import Found
 from vrcomfort.importing.suggest.own_instruments import USUAL, AnswerRange, TakenFor
-from vrcomfort.importing.suggest.vocabulary import (
-    FEWEST_OF_SENTENCE,
-    LabVocabulary,
-    tokens,
-)
+from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 
 _MOST_OF_RATING, _FEWEST, _SHOWN = 100, 2, 8

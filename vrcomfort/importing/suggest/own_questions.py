@@ -48,12 +48,7 @@ from vrcomfort.importing.suggest.own_instruments import (
 from vrcomfort.importing.suggest.questionnaires import Drafted
 from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating, rises, time_column
 from vrcomfort.importing.suggest.stems import Stem, shared_stems
-from vrcomfort.importing.suggest.vocabulary import (
-    FEWEST_OF_SENTENCE,
-    Known,
-    tokens,
-    words_of,
-)
+from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, Known, tokens, words_of
 from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from math import prod
 from typing import Any
 
-from vrcomfort.importing.columns import conditions_in
 from vrcomfort.importing.files import JOIN
+from vrcomfort.importing.row_facts import conditions_in
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.answer_columns import (
     BLOCKS,
