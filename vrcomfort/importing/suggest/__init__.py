@@ -28,6 +28,7 @@ from vrcomfort.importing.suggest.draft import (
     pattern_of,
     write_doubts,
 )
+from vrcomfort.importing.suggest.found_answers import mentions
 from vrcomfort.importing.suggest.groups_of_files import (
     say_baselines,
     say_conditions_of_files,
@@ -36,7 +37,6 @@ from vrcomfort.importing.suggest.groups_of_files import (
     say_names_of_files,
 )
 from vrcomfort.importing.suggest.heading_roles import names_fact
-from vrcomfort.importing.suggest.items import mentions
 from vrcomfort.importing.suggest.joined_tables import joined
 from vrcomfort.importing.suggest.left_over import ask_to_leave_out
 from vrcomfort.importing.suggest.left_over_drafts import with_left_over

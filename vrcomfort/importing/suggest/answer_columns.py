@@ -13,15 +13,10 @@ from vrcomfort.importing.suggest.block_conditions import (
     comparisons,
     without_made,
 )
-from vrcomfort.importing.suggest.evidence import texts
+from vrcomfort.importing.suggest.cells import texts
+from vrcomfort.importing.suggest.found_answers import Found, FoundAnswers, mentions, named_by_file
 from vrcomfort.importing.suggest.heading_roles import Roles
-from vrcomfort.importing.suggest.items import (
-    Found,
-    FoundAnswers,
-    find_blocks,
-    mentions,
-    named_by_file,
-)
+from vrcomfort.importing.suggest.items import find_blocks
 from vrcomfort.importing.suggest.long_tables import Long, find_long
 from vrcomfort.importing.suggest.own_instruments import TakenFor, own_instruments
 from vrcomfort.importing.suggest.own_questions import OwnQuestions, draft_own

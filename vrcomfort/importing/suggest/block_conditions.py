@@ -16,14 +16,14 @@ from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
 from vrcomfort.importing.row_facts import conditions_in
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.evidence import (
+from vrcomfort.importing.suggest.cells import (
     LONGEST_CONDITION,
     MOST_CONDITIONS,
     is_numeric,
     texts,
     values_of,
 )
-from vrcomfort.importing.suggest.items import Found, FoundAnswers
+from vrcomfort.importing.suggest.found_answers import Found, FoundAnswers
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain
 

@@ -9,6 +9,14 @@ from itertools import combinations
 from math import prod
 
 from vrcomfort.errors import InputError
+from vrcomfort.importing.suggest.cells import (
+    MOST_CONDITIONS,
+    few_texts,
+    is_numeric,
+    measures,
+    texts,
+    varies_within,
+)
 from vrcomfort.importing.suggest.draft import (
     CONDITIONS,
     ORDER,
@@ -21,15 +29,9 @@ from vrcomfort.importing.suggest.evidence import (
     BALANCED_WORDS,
     COUNTS_EXPOSURES,
     GROUPS_PEOPLE,
-    MOST_CONDITIONS,
     WORDS_WITHIN_PEOPLE,
     Candidate,
     candidates,
-    few_texts,
-    is_numeric,
-    measures,
-    texts,
-    varies_within,
 )
 from vrcomfort.importing.suggest.fact_draft import FactDraft
 from vrcomfort.importing.suggest.shared_codes import are_met_again

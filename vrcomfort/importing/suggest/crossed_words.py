@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Sequence, Set
 from dataclasses import replace
 
-from vrcomfort.importing.suggest.items import Context
+from vrcomfort.importing.suggest.found_answers import Context
 from vrcomfort.importing.suggest.own_instruments import OwnQuestion
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens, words_of
 from vrcomfort.questionnaire import plain

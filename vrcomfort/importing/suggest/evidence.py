@@ -9,25 +9,30 @@ begins with a line here, or in `heading_roles`.
 from __future__ import annotations
 
 import re
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from vrcomfort.importing.answers import number
-from vrcomfort.importing.files import is_number
 from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.cells import (
+    DATE_OR_TIME,
+    LONGEST_CODE,
+    MOST_CONDITIONS,
+    counts_of_people,
+    few_texts,
+    is_balanced,
+    is_numeric,
+    measures,
+    texts,
+    values_of,
+    varies_within,
+)
 from vrcomfort.importing.suggest.heading_roles import Roles, around, is_personal, names_fact
 from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, LabVocabulary, tokens
 from vrcomfort.importing.text_files import KEY
 from vrcomfort.questionnaire import plain
 
-# A column with more different texts holds names, or answers in own words.
-MOST_CONDITIONS = 12
-LONGEST_CODE = 24
-"""Letters of a participant's code at most."""
-LONGEST_CONDITION = 40
-"""Letters of a condition's name at most."""
 FIRST_COLUMNS = 4
 """Columns in which codes of participants, and names of rows below them, are looked for."""
 
@@ -126,9 +131,6 @@ def is_identifier(table: SourceTable, column: int, vocabulary: LabVocabulary) ->
     return len({*numbers}) >= _FEWEST_PEOPLE and numbers == sorted(numbers)
 
 
-_DATE = re.compile(r"\d{1,4}[/.\-]\d{1,2}[/.\-]\d{1,4}(?!\d)|\d{1,2}:\d{2}")
-
-
 def _counts_rows(context: Context, column: int) -> bool:
     """Return whether a column without a heading holds 0, 1, 2 … or 1, 2, 3 …: R's row names."""
     table, cells = context.table, context.table.column(column)
@@ -143,7 +145,11 @@ def _tells_people_apart(context: Context, column: int) -> bool:
     if not named and column not in context.roles.unknown[:FIRST_COLUMNS]:
         return False
     words, rows = texts(table, column), len(table.rows)
-    if not words or all(map(context.vocabulary.timepoint, words)) or all(map(_DATE.match, words)):
+    if (
+        not words
+        or all(map(context.vocabulary.timepoint, words))
+        or all(map(DATE_OR_TIME.match, words))
+    ):
         return False
     asked = {*tokens(table.headings[column])} & (context.vocabulary.item_labels | {"question"})
     if _counts_rows(context, column) or (asked and not named and not table.reading.transpose):
@@ -211,7 +217,7 @@ def _meets_all_words(context: Context, column: int) -> bool:
     codes = texts(table, column)
     if column not in open_[:FIRST_COLUMNS] or len(codes) < _FEWEST_PEOPLE:
         return False
-    if any(map(_DATE.match, codes)) or max(map(len, codes)) > LONGEST_CODE:
+    if any(map(DATE_OR_TIME.match, codes)) or max(map(len, codes)) > LONGEST_CODE:
         return False
     if table.reading.heading_rows and not all(re.search(r"\d", code) for code in codes):
         return False
@@ -315,30 +321,6 @@ def _differs_within_people(context: Context, column: int) -> bool:
     return 2 * sum(len(counts) > 1 for counts in people) > len(people)
 
 
-def texts_of_people(table: SourceTable, column: int, participant: int) -> list[Counter[str]]:
-    """Return for each participant how often each text is in a column."""
-    people: dict[str, Counter[str]] = defaultdict(Counter)
-    for row in table.rows:
-        if row[column]:
-            people[row[participant]][row[column]] += 1
-    return [*people.values()]
-
-
-def counts_of_people(table: SourceTable, column: int, participant: int) -> list[Counter[str]]:
-    """Return how often each participant of several rows has each text."""
-    return [each for each in texts_of_people(table, column, participant) if each.total() > 1]
-
-
-def is_balanced(table: SourceTable, column: int, participant: int | None) -> bool:
-    """Return whether most participants have each text of a column, or as many, equally often."""
-    if participant is None:
-        return False
-    people = counts_of_people(table, column, participant)
-    usual = Counter(len(counts) for counts in people).most_common(1)
-    even = [len(c) == usual[0][0] > 1 and max(c.values()) == min(c.values()) for c in people]
-    return sum(even) * 4 >= len(even) * 3 > 0
-
-
 def _words_within_people(context: Context, column: int) -> bool:
     """Return whether a column has words that differ within participants; Yes and No come last."""
     if not _differs_within_people(context, column) or is_numeric(context.table, column):
@@ -364,16 +346,6 @@ def _balanced_numbers(context: Context, column: int) -> bool:
 def _says_yes_or_no(context: Context, column: int) -> bool:
     words = texts(context.table, column)
     return all(plain(word) in context.vocabulary.yes_no for word in words)
-
-
-def measures(table: SourceTable, column: int) -> bool:
-    """Return whether a column holds decimals, dates, sentences or headings: no conditions."""
-    words = texts(table, column)
-    if words and {*words} <= {*table.headings}:
-        return True  # which of two items weighs more
-    decimals = all(map(is_number, words)) and any("." in word or "," in word for word in words)
-    dates = bool(words) and all(map(_DATE.match, words))
-    return decimals or dates or any(len(word) > LONGEST_CONDITION for word in words)
 
 
 def _few_scenes(context: Context, column: int) -> bool:
@@ -597,33 +569,3 @@ def candidates(role: str, columns: Iterable[int], context: Context) -> list[Cand
             found.append(Candidate(column, heaviest))
     cells = context.table.column
     return sorted(found, key=lambda each: (-each.evidence.weight, "" in cells(each.column)))
-
-
-def texts(table: SourceTable, column: int) -> list[str]:
-    """Return the different texts of a column, in the order of the file, without blanks."""
-    return [*table.texts[column]]
-
-
-def values_of(table: SourceTable, column: int) -> list[float]:
-    """Return the numbers of a column; other cells are passed over."""
-    read = [number(cell, table.decimal) for cell in table.column(column) if cell]
-    return [value for value in read if value is not None]
-
-
-def varies_within(table: SourceTable, column: int, participant: int | None) -> bool:
-    """Return whether a participant has more than one text in a column."""
-    if participant is None:
-        return len(texts(table, column)) > 1
-    return any(len(each) > 1 for each in texts_of_people(table, column, participant))
-
-
-def few_texts(table: SourceTable, column: int, most: int = MOST_CONDITIONS) -> bool:
-    """Return whether a column has few different texts, each of them more than once."""
-    found = texts(table, column)
-    return 2 <= len(found) <= most and len(table.rows) >= 2 * len(found)
-
-
-def is_numeric(table: SourceTable, column: int) -> bool:
-    """Return whether all texts of a column are numbers."""
-    found = texts(table, column)
-    return bool(found) and all(map(is_number, found))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.cells import texts
 from vrcomfort.importing.suggest.draft import (
     CONDITIONS,
     ORDER,
@@ -15,7 +16,7 @@ from vrcomfort.importing.suggest.draft import (
     Stake,
     TomlDraft,
 )
-from vrcomfort.importing.suggest.evidence import Candidate, Context, texts
+from vrcomfort.importing.suggest.evidence import Candidate, Context
 
 _LACKS = 10
 """A column that is blank in more than one of so many rows lacks some."""

@@ -8,6 +8,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain, combinations
 
+from vrcomfort.importing.suggest.cells import (
+    MOST_CONDITIONS,
+    counts_of_people,
+    is_numeric,
+    measures,
+    texts,
+    values_of,
+)
 from vrcomfort.importing.suggest.conditions import Conditions
 from vrcomfort.importing.suggest.draft import (
     CONDITIONS,
@@ -22,16 +30,10 @@ from vrcomfort.importing.suggest.evidence import (
     BASELINE_AMONG_CONDITIONS,
     CODES,
     FIRST_COLUMNS,
-    MOST_CONDITIONS,
     OTHER_TIMEPOINTS,
     Context,
     candidates,
-    counts_of_people,
-    is_numeric,
-    measures,
     says_no_person,
-    texts,
-    values_of,
 )
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.names_of_files import names_with_folders, parts_of_names

@@ -8,8 +8,8 @@ from itertools import combinations
 
 from vrcomfort.importing.mapping import template_pattern
 from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.cells import MOST_CONDITIONS, few_texts, texts
 from vrcomfort.importing.suggest.draft import CONDITIONS, TIMEPOINTS, OpenDoubt
-from vrcomfort.importing.suggest.evidence import MOST_CONDITIONS, few_texts, texts
 from vrcomfort.importing.suggest.heading_roles import roles_of
 from vrcomfort.importing.suggest.names_of_files import parts_of_names
 from vrcomfort.importing.suggest.table_draft import TableDraft

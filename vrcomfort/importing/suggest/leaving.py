@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 
 from vrcomfort.importing.answers import time_in_words_s
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.evidence import texts, values_of
+from vrcomfort.importing.suggest.cells import texts, values_of
 from vrcomfort.importing.suggest.heading_facts import common_start
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain

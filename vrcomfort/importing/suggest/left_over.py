@@ -22,19 +22,18 @@ from vrcomfort.importing.suggest.answer_scales import (
     step_of,
     yes_or_no,
 )
-from vrcomfort.importing.suggest.codings import missing_codes
-from vrcomfort.importing.suggest.draft import CODING, CURIOUS, LEFT, NO_LABEL, OpenDoubt, listed
-from vrcomfort.importing.suggest.evidence import (
-    Context,
-    is_identifier,
+from vrcomfort.importing.suggest.cells import (
     is_numeric,
     texts,
     texts_of_people,
     values_of,
     varies_within,
 )
+from vrcomfort.importing.suggest.codings import missing_codes
+from vrcomfort.importing.suggest.draft import CODING, CURIOUS, LEFT, NO_LABEL, OpenDoubt, listed
+from vrcomfort.importing.suggest.evidence import Context, is_identifier
+from vrcomfort.importing.suggest.found_answers import Found
 from vrcomfort.importing.suggest.item_names import How
-from vrcomfort.importing.suggest.items import Found
 from vrcomfort.importing.suggest.own_instruments import USUAL, AnswerRange, TakenFor
 from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, LabVocabulary, tokens
 from vrcomfort.questionnaire import plain

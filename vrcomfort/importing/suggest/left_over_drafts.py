@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from vrcomfort.importing.suggest.cells import varies_within
 from vrcomfort.importing.suggest.conditions import FEW_IN
 from vrcomfort.importing.suggest.draft import PEOPLE, OpenDoubt
-from vrcomfort.importing.suggest.evidence import varies_within
 from vrcomfort.importing.suggest.table_draft import TableDraft
 from vrcomfort.importing.suggest.vocabulary import Known
 

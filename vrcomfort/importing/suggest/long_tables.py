@@ -8,16 +8,12 @@ from dataclasses import dataclass, replace
 from vrcomfort.csv_table import plain_digits
 from vrcomfort.importing.files import JOIN, is_number, under_titles
 from vrcomfort.importing.source import Grid, SourceTable
-from vrcomfort.importing.suggest.evidence import is_identifier, texts
+from vrcomfort.importing.suggest.cells import texts
+from vrcomfort.importing.suggest.evidence import is_identifier
+from vrcomfort.importing.suggest.found_answers import FoundAnswers, mentions, named_by_file
 from vrcomfort.importing.suggest.heading_roles import PERSON_CODE, names_fact
 from vrcomfort.importing.suggest.item_names import How, named_item
-from vrcomfort.importing.suggest.items import (
-    FEWEST_OF_NAMED,
-    MOST_ANSWERS,
-    FoundAnswers,
-    mentions,
-    named_by_file,
-)
+from vrcomfort.importing.suggest.items import FEWEST_OF_NAMED, MOST_ANSWERS
 from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
 

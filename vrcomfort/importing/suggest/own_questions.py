@@ -29,13 +29,14 @@ from vrcomfort.importing.suggest.answer_scales import (
     yes_or_no,
 )
 from vrcomfort.importing.suggest.block_conditions import numbered_conditions
+from vrcomfort.importing.suggest.cells import is_numeric, texts, varies_within
 from vrcomfort.importing.suggest.codebooks import BESIDE, TITLE
 from vrcomfort.importing.suggest.crossed_words import crossed, differing
 from vrcomfort.importing.suggest.draft import OWN, OpenDoubt, TomlDraft, listed
-from vrcomfort.importing.suggest.evidence import asks_name, is_numeric, texts, varies_within
+from vrcomfort.importing.suggest.evidence import asks_name
+from vrcomfort.importing.suggest.found_answers import Context, Found
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
 from vrcomfort.importing.suggest.item_names import How
-from vrcomfort.importing.suggest.items import Context, Found
 from vrcomfort.importing.suggest.left_over import ask_of_left
 from vrcomfort.importing.suggest.own_instruments import (
     FEWEST_OF_SERIES,

@@ -13,8 +13,8 @@ from vrcomfort.importing.suggest.answer_scales import (
     put_coding,
     scale_of,
 )
+from vrcomfort.importing.suggest.cells import is_balanced, texts
 from vrcomfort.importing.suggest.draft import TomlDraft
-from vrcomfort.importing.suggest.evidence import is_balanced, texts
 from vrcomfort.importing.suggest.heading_roles import Roles
 from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.long_tables import Long, response_column, response_columns

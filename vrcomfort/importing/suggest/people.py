@@ -7,8 +7,9 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
+from vrcomfort.importing.suggest.cells import texts, varies_within
 from vrcomfort.importing.suggest.draft import PEOPLE
-from vrcomfort.importing.suggest.evidence import RECURRING_NAMES, candidates, texts, varies_within
+from vrcomfort.importing.suggest.evidence import RECURRING_NAMES, candidates
 from vrcomfort.importing.suggest.fact_draft import FactDraft
 from vrcomfort.importing.suggest.shared_codes import are_others, constants_of, place_of, with_places
 

@@ -10,6 +10,7 @@ from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number, numbers_in
 from vrcomfort.importing.mapping import template_pattern
 from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.cells import texts
 from vrcomfort.importing.suggest.codings import Coding, coding_of, coding_of_texts
 from vrcomfort.importing.suggest.draft import (
     CURIOUS,
@@ -26,10 +27,9 @@ from vrcomfort.importing.suggest.draft import (
     TomlDraft,
     listed,
 )
-from vrcomfort.importing.suggest.evidence import texts
+from vrcomfort.importing.suggest.found_answers import Found, mentions, named_by_file
 from vrcomfort.importing.suggest.heading_roles import Roles
 from vrcomfort.importing.suggest.item_names import How, Named
-from vrcomfort.importing.suggest.items import Found, mentions, named_by_file
 from vrcomfort.importing.suggest.long_tables import Long
 from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating
 from vrcomfort.importing.suggest.scores import parts_of

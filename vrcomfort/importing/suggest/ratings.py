@@ -17,8 +17,9 @@ from vrcomfort.importing.suggest.block_conditions import (
     number_in_words,
     numbered_conditions,
 )
-from vrcomfort.importing.suggest.evidence import is_identifier, texts, values_of
-from vrcomfort.importing.suggest.items import FoundAnswers, named_by_file
+from vrcomfort.importing.suggest.cells import texts, values_of
+from vrcomfort.importing.suggest.evidence import is_identifier
+from vrcomfort.importing.suggest.found_answers import FoundAnswers, named_by_file
 from vrcomfort.importing.suggest.scores import find_scores
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens, words_of
 from vrcomfort.questionnaire import Instrument, plain

@@ -27,6 +27,7 @@ from vrcomfort.importing.suggest.block_conditions import (
     order_column,
     without_levels,
 )
+from vrcomfort.importing.suggest.cells import texts
 from vrcomfort.importing.suggest.draft import (
     CONDITIONS,
     ORDER,
@@ -35,10 +36,9 @@ from vrcomfort.importing.suggest.draft import (
     WHOLE,
     OpenDoubt,
 )
-from vrcomfort.importing.suggest.evidence import texts
+from vrcomfort.importing.suggest.found_answers import Found, FoundAnswers, without_name
 from vrcomfort.importing.suggest.heading_facts import heading_facts
 from vrcomfort.importing.suggest.heading_roles import PERSON_CODE, roles_of
-from vrcomfort.importing.suggest.items import Found, FoundAnswers, without_name
 from vrcomfort.importing.suggest.kept_rows import KeptRows
 from vrcomfort.importing.suggest.leaving import find_leaving
 from vrcomfort.importing.suggest.own_instruments import TakenFor

@@ -11,9 +11,9 @@ from vrcomfort.importing.made_instruments import on_scale
 from vrcomfort.importing.mapping import ScoreKind, scale_named
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.block_conditions import numbers_in_words
-from vrcomfort.importing.suggest.evidence import texts, values_of
+from vrcomfort.importing.suggest.cells import texts, values_of
+from vrcomfort.importing.suggest.found_answers import FoundAnswers, mentions, named_by_file
 from vrcomfort.importing.suggest.heading_roles import roles_of
-from vrcomfort.importing.suggest.items import FoundAnswers, mentions, named_by_file
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.questionnaire import Instrument, plain
 

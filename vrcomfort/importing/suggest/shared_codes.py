@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.evidence import few_texts, is_numeric, measures, texts_of_people
+from vrcomfort.importing.suggest.cells import few_texts, is_numeric, measures, texts_of_people
 from vrcomfort.importing.suggest.heading_roles import Roles
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
 

@@ -12,7 +12,7 @@ from statistics import fmean
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.evidence import texts
+from vrcomfort.importing.suggest.cells import texts
 from vrcomfort.importing.suggest.heading_roles import inner_names, names_fact
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary, tokens
 from vrcomfort.questionnaire import plain

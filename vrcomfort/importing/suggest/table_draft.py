@@ -20,6 +20,13 @@ from vrcomfort.importing.suggest.answer_columns import (
     SCORES,
 )
 from vrcomfort.importing.suggest.block_conditions import before_exposures
+from vrcomfort.importing.suggest.cells import (
+    LONGEST_CONDITION,
+    few_texts,
+    is_numeric,
+    texts,
+    varies_within,
+)
 from vrcomfort.importing.suggest.draft import (
     LEFT,
     LOST,
@@ -33,19 +40,12 @@ from vrcomfort.importing.suggest.draft import (
     listed,
     placed_in_short,
 )
-from vrcomfort.importing.suggest.evidence import (
-    LONGEST_CONDITION,
-    Context,
-    few_texts,
-    is_numeric,
-    texts,
-    varies_within,
-)
+from vrcomfort.importing.suggest.evidence import Context
 from vrcomfort.importing.suggest.fact_draft import AnswersFound, DraftedFacts
 from vrcomfort.importing.suggest.facts import draft_facts
+from vrcomfort.importing.suggest.found_answers import FoundAnswers
 from vrcomfort.importing.suggest.heading_facts import template_of
 from vrcomfort.importing.suggest.heading_roles import inner_names, is_personal
-from vrcomfort.importing.suggest.items import FoundAnswers
 from vrcomfort.importing.suggest.left_over import ask_to_leave_out, in_first_person, left_over
 from vrcomfort.importing.suggest.own_instruments import TakenFor
 from vrcomfort.importing.suggest.own_questions import ask_about
