@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import pairwise, product
 from math import inf
 from typing import NamedTuple
 
-from vrcomfort.importing.suggest.draft import TomlDraft
+from vrcomfort.importing.suggest.draft import OWN, OpenDoubt, TomlDraft, listed
 from vrcomfort.importing.suggest.found_answers import Context, Found
 from vrcomfort.importing.suggest.item_names import How, Named
 from vrcomfort.importing.suggest.vocabulary import bare, free_name, tokens
@@ -27,6 +27,8 @@ AGREEMENT, DEGREES = "agreement", "degrees"
 """Kinds of words in which questions are answered: numbers stand with the first one."""
 _STEPS, FEWEST_OF_SERIES = (10, 20), 3
 _LONGEST_NAME = 40
+_SHOWN = 4
+"""Questions that a doubt lists."""
 
 
 class AnswerRange(NamedTuple):
@@ -189,6 +191,19 @@ def _answers(scale: AnswerRange) -> dict[str, float]:
     return {"low": scale.low, "high": scale.high} | (
         {} if scale.step == 1 else {"step": scale.step}
     )
+
+
+def ask_about(
+    instrument: Instrument, headings: Sequence[str], among: Collection[str] = ()
+) -> OpenDoubt:
+    """Return the question whether these are the lab's own, on this scale: all items, or some."""
+    items = [item for item in instrument.items if not among or item.name in among]
+    answers = {(item.answers.low, item.answers.high) for item in items}
+    shown = listed([*map(repr, headings)], _SHOWN)
+    ends = " or ".join(f"{low} to {high}" for low, high in sorted(answers))
+    question = f"Are these the lab's own questions: {shown}?"
+    assumed = f"they are, with answers from {ends}, the narrowest usual scale of all answers"
+    return OpenDoubt(question, assumed, OWN, f"own {instrument.name}")
 
 
 def name_of(text: str, taken: set[str]) -> str:

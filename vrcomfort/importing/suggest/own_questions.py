@@ -13,9 +13,6 @@ from collections.abc import Collection, Iterable, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import cached_property, reduce
 from itertools import pairwise
-from math import nan
-
-import numpy as np
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
@@ -31,8 +28,9 @@ from vrcomfort.importing.suggest.answer_scales import (
 from vrcomfort.importing.suggest.block_conditions import numbered_conditions
 from vrcomfort.importing.suggest.cells import is_numeric, texts, varies_within
 from vrcomfort.importing.suggest.codebooks import BESIDE, TITLE
+from vrcomfort.importing.suggest.computed_columns import computed_columns
 from vrcomfort.importing.suggest.crossed_words import crossed, differing
-from vrcomfort.importing.suggest.draft import OWN, OpenDoubt, TomlDraft, listed
+from vrcomfort.importing.suggest.draft import TomlDraft
 from vrcomfort.importing.suggest.evidence import asks_name
 from vrcomfort.importing.suggest.found_answers import Context, Found
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
@@ -43,6 +41,7 @@ from vrcomfort.importing.suggest.own_instruments import (
     AnswerRange,
     OwnQuestion,
     TakenFor,
+    ask_about,
     declared,
     name_of,
 )
@@ -50,7 +49,7 @@ from vrcomfort.importing.suggest.questionnaires import Drafted
 from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating, rises, time_column
 from vrcomfort.importing.suggest.stems import Stem, shared_stems
 from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, Known, tokens, words_of
-from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
+from vrcomfort.questionnaire import plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
 
 _FEWEST_STEPS = 2
@@ -68,8 +67,6 @@ _ENDS = (
 _REPEATED = re.compile(r" \(\d+\)$")
 _NUMBERING = re.compile(r"^\d{1,2}[.)] +(?=\D)")
 _NUMBER_OF_ITEM = re.compile(r"(?<=[^\d])\d+$")
-_PARTS, _ROUNDED = (12, 8, 6, 5, 4, 3, 2), 0.051
-"""Questions before a mean or a sum of them, and how far it may be rounded."""
 _FEWEST_FAR = 10
 """Codes for no answer that no number on a usual scale is, as -1 may be."""
 _CLOCK = frozenset(["t", "time", "zeit"])
@@ -387,16 +384,7 @@ class OwnQuestions:
     @cached_property
     def computed(self) -> set[int]:
         """Return the columns that are sums, weighted or not, or the reverse, of those before."""
-        decimal, found, basis = self._table.decimal, set[int](), list[np.ndarray]()
-        for column in sorted({*self._scales, *self._left}):
-            read = {text: number(text, decimal) for text in texts(self._table, column)}
-            said = {text: value for text, value in read.items() if value is not None}
-            values = np.array([said.get(cell, nan) for cell in self._table.column(column)])
-            if any(_is_combination(values, basis[-n:]) for n in _PARTS):
-                found.add(column)
-            elif np.isnan(values).sum() * FEWEST_ANSWERS < len(values):
-                basis.append(values)
-        return found
+        return computed_columns(self._table, {*self._scales, *self._left})
 
     @cached_property
     def _series(self) -> set[int]:
@@ -574,33 +562,6 @@ def _glued(headings: Sequence[str], contexts: Sequence[Context]) -> dict[int, li
     return found
 
 
-_ENOUGH = 200
-"""Rows by which most columns are known to be no sum."""
-
-
-def _is_combination(values: np.ndarray, others: Sequence[np.ndarray]) -> bool:
-    """Return whether numbers are an exact sum of others, or the reverse of one of them.
-
-    A sum has no negative weights unless it is a difference, which is below zero at times.
-    """
-    if len(values) > _ENOUGH and not _is_combination(
-        values[:_ENOUGH], [each[:_ENOUGH] for each in others]
-    ):
-        return False
-    cells = np.column_stack([np.ones(len(values)), *others, values])
-    cells = cells[~np.isnan(cells).any(axis=1)]
-    if len(cells) < len(others) + FEWEST_ANSWERS or len({*cells[:, -1]}) < _FEWEST_STEPS:
-        return False
-    weights, _, rank, _ = np.linalg.lstsq(cells[:, :-1], cells[:, -1])
-    rounded = min(_ROUNDED, cells[:, -1].std() / 10)
-    if rank <= len(others) or np.abs(cells[:, :-1] @ weights - cells[:, -1]).max() > rounded:
-        return False
-    parts = weights[1:][np.abs(weights[1:]) > _ROUNDED / 10]
-    if len(parts) < 2:
-        return len({*cells[:, -1]}) > 2 and bool(np.isclose(parts, -1.0, atol=rounded).any())
-    return bool((parts > 0).all() or cells[:, -1].min() < 0)
-
-
 def _blank(words: Sequence[str], place: int) -> tuple[str, ...]:
     return (*words[:place], "", *words[place + 1 :])
 
@@ -629,23 +590,6 @@ def draft_own(
     remarks = [t for t in said if (v := number(t, ".")) is None or abs(v) < _FEWEST_FAR]
     remarks = [text for text in remarks if not is_missing(text, known.vocabulary)]
     return draft, [*asked, *ask_of_left(found, headings, remarks)]
-
-
-def ask_about(
-    instrument: Instrument, headings: Sequence[str], among: Collection[str] = ()
-) -> OpenDoubt:
-    """Return the question whether these are the lab's own, on this scale: all items, or some."""
-    items = [item for item in instrument.items if not among or item.name in among]
-    answers = {(item.answers.low, item.answers.high) for item in items}
-    shown = listed([*map(repr, headings)], _SHOWN)
-    ends = " or ".join(f"{low} to {high}" for low, high in sorted(answers))
-    question = f"Are these the lab's own questions: {shown}?"
-    assumed = f"they are, with answers from {ends}, the narrowest usual scale of all answers"
-    return OpenDoubt(question, assumed, OWN, f"own {instrument.name}")
-
-
-_SHOWN = 4
-"""Questions that a doubt lists."""
 
 
 def _holds(low: int, high: int, seen: AnswerRange) -> bool:

@@ -21,11 +21,11 @@ from vrcomfort.importing.suggest.long_tables import Long, response_column, respo
 from vrcomfort.importing.suggest.own_instruments import (
     USUAL,
     AnswerRange,
+    ask_about,
     declared,
     name_of,
     together,
 )
-from vrcomfort.importing.suggest.own_questions import ask_about
 from vrcomfort.importing.suggest.questionnaires import Drafted, places_of_rows
 from vrcomfort.importing.suggest.vocabulary import (
     FEWEST_OF_SENTENCE,

@@ -47,8 +47,7 @@ from vrcomfort.importing.suggest.found_answers import FoundAnswers
 from vrcomfort.importing.suggest.heading_facts import template_of
 from vrcomfort.importing.suggest.heading_roles import inner_names, is_personal
 from vrcomfort.importing.suggest.left_over import ask_to_leave_out, in_first_person, left_over
-from vrcomfort.importing.suggest.own_instruments import TakenFor
-from vrcomfort.importing.suggest.own_questions import ask_about
+from vrcomfort.importing.suggest.own_instruments import TakenFor, ask_about
 from vrcomfort.importing.suggest.questionnaires import leftovers, sum_of
 from vrcomfort.importing.suggest.said_by_headings import OF_WHAT_WAS_USED, SaidByHeadings
 from vrcomfort.importing.suggest.scores import FoundScores, by_kind
