@@ -11,13 +11,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import isclose
-from typing import TYPE_CHECKING
 
 from vrcomfort.importing.mapping import ScoreKind, Summary
-from vrcomfort.importing.rows import Administration, Imported, ImportedResponse
+from vrcomfort.importing.rows import Administration, Imported, ImportedResponse, Rating, SourceRow
+from vrcomfort.importing.toml_draft import TomlDraft
 from vrcomfort.questionnaire import Answer, Instrument, Scale, parse_instrument
 from vrcomfort.questionnaire.answers import common_divisor, exact, plain_number
-from vrcomfort.settings import toml_value
 
 ROUNDED = 0.051
 """Labs round scores to one decimal or more."""
@@ -78,23 +77,17 @@ class ScoreInstrument:
     def made(self) -> Instrument:
         """Return the instrument, with the text of its file."""
         scales = [scale for scale in self.of.scales if scale.column in self.values]
-        title = f"{self.of.title}, {_TITLES[self.kind]}"
-        words = _NAMES[self.kind].replace("_", " ")
-        lines = [
-            f"# Made by an import: the file has {_TITLES[self.kind]} of {self.of.name}.",
-            f"name = {toml_value(name_of(self.of, self.kind))}",
-            f"short = {toml_value(f'{self.of.short} {words}')}",
-            f"title = {toml_value(title)}",
-            f"citation = {toml_value(self.of.citation)}" if self.of.citation else "",
-            'rule = "scores as the file has them, without the answers that they were made of"',
-            f"primary = {toml_value(_primary(self.of, scales))}",
-            f"answers = {toml_value(self._range(scales[0]))}",
-        ]
-        for scale in scales:
-            lines += ["", "[[items]]", f"name = {toml_value(scale.column)}"]
-            lines += [f"text = {toml_value(scale.title)}"]
-            lines += [f"answers = {toml_value(self._range(scale))}"]
-        return parse_instrument("\n".join(lines) + "\n")
+        title, words = _TITLES[self.kind], _NAMES[self.kind].replace("_", " ")
+        said = {
+            "name": name_of(self.of, self.kind),
+            "short": f"{self.of.short} {words}",
+            "title": f"{self.of.title}, {title}",
+            "rule": "scores as the file has them, without the answers that they were made of",
+            "primary": _primary(self.of, scales),
+            "answers": self._range(scales[0]),
+        }
+        items = [(each.column, each.title, self._range(each)) for each in scales]
+        return _made(self.of, f"an import: the file has {title} of {self.of.name}.", said, items)
 
     def _range(self, scale: Scale) -> dict[str, Answer]:
         step = step_of(scale, self.kind)
@@ -107,6 +100,21 @@ class ScoreInstrument:
             low, high = (each / scale.unit * unit for each in (scale.low, scale.high))
         found = {"low": low, "high": high, "step": Fraction(1, 100) if step is None else step}
         return {name: plain_number(number) for name, number in found.items()}
+
+
+def _made(
+    of: Instrument,
+    by: str,
+    said: Mapping[str, object],
+    items: Iterable[tuple[str, str, Mapping[str, Answer]]],
+) -> Instrument:
+    """Return an instrument that is made of another; of each item: name, text and answers."""
+    draft = TomlDraft({**said, **({"citation": of.citation} if of.citation else {})})
+    draft.note(f"Made by {by}", "name")
+    draft.lists["items"] = [
+        TomlDraft({"name": name, "text": text, "answers": answers}) for name, text, answers in items
+    ]
+    return parse_instrument(draft.text())
 
 
 def _primary(instrument: Instrument, scales: Iterable[Scale]) -> str:
@@ -123,9 +131,6 @@ def _decimals(values: Iterable[Answer]) -> int:
     )
 
 
-if TYPE_CHECKING:
-    from vrcomfort.importing.rows import Rating, SourceRow
-
 DECIMALS = 4
 """Of means."""
 _TEXTS: Mapping[Summary, str] = {
@@ -140,21 +145,17 @@ def course_instrument(instrument: Instrument, summaries: Sequence[Summary]) -> I
     answers = instrument.answers
     of_ratings = {"low": answers.low, "high": answers.high, "step": answers.step}
     fine = common_divisor(Fraction(1, 10**DECIMALS), answers.resolution, exact(answers.high))
-    lines = [
-        f"# Made by an import of ratings during exposure ({instrument.name}).",
-        f"name = {toml_value(f'{instrument.name}_course')}",
-        f"short = {toml_value(f'{instrument.short} during exposure')}",
-        f"title = {toml_value(f'{instrument.title}, during exposure')}",
-        f"citation = {toml_value(instrument.citation)}",
-        'rule = "of the ratings of an exposure, in the order of their times; missed ones left out"',
-        f"primary = {toml_value(summaries[0])}",
-        f"answers = {toml_value(of_ratings)}",
-    ]
-    for name in summaries:
-        step = plain_number(fine) if name == "mean" else answers.step
-        lines += ["[[items]]", f"name = {toml_value(name)}", f"text = {toml_value(_TEXTS[name])}"]
-        lines += [f"answers = {toml_value({**of_ratings, 'step': step})}"]
-    return parse_instrument("\n".join(lines) + "\n")
+    said = {
+        "name": f"{instrument.name}_course",
+        "short": f"{instrument.short} during exposure",
+        "title": f"{instrument.title}, during exposure",
+        "rule": "of the ratings of an exposure, in the order of their times; missed ones left out",
+        "primary": summaries[0],
+        "answers": of_ratings,
+    }
+    steps = {name: plain_number(fine) if name == "mean" else answers.step for name in summaries}
+    items = [(name, _TEXTS[name], {**of_ratings, "step": step}) for name, step in steps.items()]
+    return _made(instrument, f"an import of ratings ({instrument.name}).", said, items)
 
 
 def sum_up(

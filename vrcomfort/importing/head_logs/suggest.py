@@ -36,9 +36,10 @@ from vrcomfort.importing.head_logs.mapping import (
     parse_log_mapping,
 )
 from vrcomfort.importing.head_logs.reading import SAMPLE_BYTES, LogSample, sample_of
-from vrcomfort.importing.suggest.draft import OpenDoubt, Stake, TomlDraft, listed, write_doubts
+from vrcomfort.importing.suggest.draft import OpenDoubt, Stake, listed, write_doubts
 from vrcomfort.importing.suggest.vocabulary import tokens
 from vrcomfort.importing.text_files import content_of
+from vrcomfort.importing.toml_draft import TomlDraft
 from vrcomfort.json_text import escape_surrogates
 from vrcomfort.rotations import Array, rotate
 from vrcomfort.traces.table import TIME

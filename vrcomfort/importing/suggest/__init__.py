@@ -23,7 +23,6 @@ from vrcomfort.importing.suggest.draft import (
     REFUSED,
     ROWS,
     OpenDoubt,
-    TomlDraft,
     listed,
     pattern_of,
     write_doubts,
@@ -59,6 +58,7 @@ from vrcomfort.importing.suggest.vocabulary import (
     read_vocabulary,
     shipped_vocabulary,
 )
+from vrcomfort.importing.toml_draft import TomlDraft
 from vrcomfort.json_text import escape_surrogates
 from vrcomfort.questionnaire import Instrument, usual_instruments
 

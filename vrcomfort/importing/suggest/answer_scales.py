@@ -12,9 +12,9 @@ from vrcomfort.importing.answers import number
 from vrcomfort.importing.made_instruments import MOST_DECIMALS
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.codings import code_of, is_softened, missing_codes
-from vrcomfort.importing.suggest.draft import TomlDraft
 from vrcomfort.importing.suggest.own_instruments import AGREEMENT, DEGREES, AnswerRange
 from vrcomfort.importing.suggest.vocabulary import LabVocabulary
+from vrcomfort.importing.toml_draft import TomlDraft
 from vrcomfort.questionnaire import Instrument, plain
 
 FEWEST_ANSWERS = 4

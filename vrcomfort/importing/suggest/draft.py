@@ -1,20 +1,13 @@
-"""A mapping under construction, and how it is written as TOML with comments."""
+"""The doubts of a mapping under construction, and what depends on them."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from vrcomfort.importing.toml_draft import TomlDraft
 from vrcomfort.plurals import counted
-from vrcomfort.settings import toml_key, toml_value
-
-_EDITED = {"item_order"}
-"""Lists that a person is likely to write anew: one line, however long."""
-_WIDEST = 90
-"""Characters of a list in one line."""
-
 
 MOST_ASKED = 5
 """Doubts that a person is asked about at once."""
@@ -123,54 +116,6 @@ class OpenDoubt(NamedTuple):
         return f"{self.question} Assumed: {self.assumed}{stop} If not: {self.stake.otherwise}."
 
 
-@dataclass
-class TomlDraft:
-    """A TOML table: its keys, comments above some of them, and tables inside.
-
-    Parameters
-    ----------
-    comments
-        Key (or "" for the table itself) → lines above it.
-    """
-
-    values: dict[str, object] = field(default_factory=dict)
-    comments: dict[str, list[str]] = field(default_factory=dict)
-    tables: dict[str, TomlDraft] = field(default_factory=dict)
-    lists: dict[str, list[TomlDraft]] = field(default_factory=dict)
-
-    def put(self, key: str, value: object, comment: str = "") -> None:
-        """Set a key, with a comment above it."""
-        self.values[key] = value
-        if comment:
-            self.comments.setdefault(key, []).append(comment)
-
-    def note(self, comment: str, key: str = "") -> None:
-        """Add a comment."""
-        self.comments.setdefault(key, []).append(comment)
-
-    def text(self) -> str:
-        """Return the whole as TOML."""
-        return "\n".join(self._lines("")) + "\n"
-
-    def _lines(self, path: str) -> Iterator[str]:
-        for key, value in self.values.items():
-            yield from (f"# {line}" for line in self.comments.get(key, ()))
-            yield f"{toml_key(key)} = {toml_value(value) if key in _EDITED else _wrapped(value)}"
-        for key, table in self.tables.items():
-            name = f"{path}{toml_key(key)}"
-            yield from self._opened(table, f"[{name}]", name)
-        for key, tables in self.lists.items():
-            name = f"{path}{toml_key(key)}"
-            for table in tables:
-                yield from self._opened(table, f"[[{name}]]", name)
-
-    def _opened(self, table: TomlDraft, header: str, name: str) -> Iterator[str]:
-        yield ""
-        yield from (f"# {line}" for line in table.comments.get("", ()))
-        yield header
-        yield from table._lines(f"{name}.")
-
-
 def listed(names: Sequence[str], most: int, between: str = ", ") -> str:
     """Return the first names, and how many more there are."""
     more = f"{between.strip(', ')} and {len(names) - most} more" if names[most:] else ""
@@ -180,16 +125,6 @@ def listed(names: Sequence[str], most: int, between: str = ", ") -> str:
 def pattern_of(name: str) -> str:
     """Return the pattern of a name of a file or sheet: bytes that are no UTF-8 are any."""
     return re.sub("[\ud800-\udfff]", "?", re.sub(r"[*?[]", r"[\g<0>]", name))
-
-
-def _wrapped(value: object) -> str:
-    """Return a value as TOML writes it: a long list in lines, quotation marks as they are."""
-    if isinstance(value, str) and '"' in value and value.isprintable() and "'" not in value:
-        return f"'{value}'"  # to be copied as it stands
-    line = toml_value(value)
-    if len(line) <= _WIDEST or not isinstance(value, list | tuple):
-        return line
-    return "[\n" + "".join(f"  {toml_value(each)},\n" for each in value) + "]"
 
 
 def write_doubts(draft: TomlDraft, doubts: Iterable[OpenDoubt]) -> list[OpenDoubt]:

@@ -14,9 +14,9 @@ from vrcomfort.importing.suggest.draft import (
     TIMEPOINTS,
     OpenDoubt,
     Stake,
-    TomlDraft,
 )
 from vrcomfort.importing.suggest.evidence import Candidate, Context
+from vrcomfort.importing.toml_draft import TomlDraft
 
 _LACKS = 10
 """A column that is blank in more than one of so many rows lacks some."""

@@ -11,10 +11,11 @@ from itertools import pairwise, product
 from math import inf
 from typing import NamedTuple
 
-from vrcomfort.importing.suggest.draft import OWN, OpenDoubt, TomlDraft, listed
+from vrcomfort.importing.suggest.draft import OWN, OpenDoubt, listed
 from vrcomfort.importing.suggest.found_answers import Context, Found
 from vrcomfort.importing.suggest.item_names import How, Named
 from vrcomfort.importing.suggest.vocabulary import bare, free_name, tokens
+from vrcomfort.importing.toml_draft import TomlDraft
 from vrcomfort.questionnaire import Instrument, parse_instrument, plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
 

@@ -30,7 +30,6 @@ from vrcomfort.importing.suggest.cells import is_numeric, texts, varies_within
 from vrcomfort.importing.suggest.codebooks import BESIDE, TITLE
 from vrcomfort.importing.suggest.computed_columns import computed_columns
 from vrcomfort.importing.suggest.crossed_words import crossed, differing
-from vrcomfort.importing.suggest.draft import TomlDraft
 from vrcomfort.importing.suggest.evidence import asks_name
 from vrcomfort.importing.suggest.found_answers import Context, Found
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
@@ -49,6 +48,7 @@ from vrcomfort.importing.suggest.questionnaires import Drafted
 from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating, rises, time_column
 from vrcomfort.importing.suggest.stems import Stem, shared_stems
 from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, Known, tokens, words_of
+from vrcomfort.importing.toml_draft import TomlDraft
 from vrcomfort.questionnaire import plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
 

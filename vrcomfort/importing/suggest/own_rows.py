@@ -14,7 +14,6 @@ from vrcomfort.importing.suggest.answer_scales import (
     scale_of,
 )
 from vrcomfort.importing.suggest.cells import is_balanced, texts
-from vrcomfort.importing.suggest.draft import TomlDraft
 from vrcomfort.importing.suggest.heading_roles import Roles
 from vrcomfort.importing.suggest.item_names import How
 from vrcomfort.importing.suggest.long_tables import Long, response_column, response_columns
@@ -34,6 +33,7 @@ from vrcomfort.importing.suggest.vocabulary import (
     LabVocabulary,
     tokens,
 )
+from vrcomfort.importing.toml_draft import TomlDraft
 from vrcomfort.questionnaire import plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
 

@@ -24,7 +24,6 @@ from vrcomfort.importing.suggest.draft import (
     SHORT_FORM,
     TIMES,
     OpenDoubt,
-    TomlDraft,
     listed,
 )
 from vrcomfort.importing.suggest.found_answers import Found, mentions, named_by_file
@@ -34,6 +33,7 @@ from vrcomfort.importing.suggest.long_tables import Long
 from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating
 from vrcomfort.importing.suggest.scores import parts_of
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
+from vrcomfort.importing.toml_draft import TomlDraft
 from vrcomfort.questionnaire import Instrument, plain
 
 Drafted = tuple[TomlDraft, list[OpenDoubt]]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.draft import LAYOUT, ROWS, OpenDoubt, TomlDraft, pattern_of
+from vrcomfort.importing.suggest.draft import LAYOUT, ROWS, OpenDoubt, pattern_of
+from vrcomfort.importing.toml_draft import TomlDraft
 
 _WAYS = {
     "transpose": (

@@ -36,7 +36,6 @@ from vrcomfort.importing.suggest.draft import (
     TIMEPOINTS,
     WORDS,
     OpenDoubt,
-    TomlDraft,
     listed,
     placed_in_short,
 )
@@ -52,6 +51,7 @@ from vrcomfort.importing.suggest.questionnaires import leftovers, sum_of
 from vrcomfort.importing.suggest.said_by_headings import OF_WHAT_WAS_USED, SaidByHeadings
 from vrcomfort.importing.suggest.scores import FoundScores, by_kind
 from vrcomfort.importing.suggest.vocabulary import OUTCOME, Known, covariate_name, free_name, tokens
+from vrcomfort.importing.toml_draft import TomlDraft
 from vrcomfort.questionnaire import Instrument, plain
 from vrcomfort.settings import toml_value
 
