@@ -140,11 +140,7 @@ def _suggested(
     """Write a mapping, with the columns that no rule knows or without them."""
     excluded, left_out = excluded_files(read, known.vocabulary)
     read = [table for table in read if table.file not in excluded]
-    groups: dict[tuple[object, ...], list[SourceTable]] = {}
-    for table in read:
-        rows = None if table.reading.sections else table.reading.heading_rows
-        groups.setdefault((table.headings, rows, table.reading.skip_rows), []).append(table)
-    drafts = joined([TableDraft(tables, known) for tables in groups.values()], known)
+    drafts = joined([TableDraft(tables, known) for tables in _alike(read)], known)
     alone = len(drafts) == 1 or all(draft.people is None for draft in drafts)
     if left_over:
         drafts = [with_left_over(draft, known, alone=alone) for draft in drafts]
@@ -157,25 +153,31 @@ def _suggested(
     say_baselines(useful)
     say_others(useful)
     top = _top(files, own, useful)
-    levels = {name: said for draft in useful for name, said in draft.levels.items()}
-    if len({frozenset(said) for said in levels.values()}) == 1:
-        top.tables["condition_levels"] = TomlDraft(dict(levels))
-    ignored = _ignored_sheets(top, drafts, useful, excluded)
-    top.lists["tables"] = [draft.draft for draft in useful]
-    imported, refusal = _tried(top, files, own)
-    if levels and (imported is None or {*imported.conditions} != levels.keys()):
-        top.tables.pop("condition_levels", None)
-        imported, refusal = _tried(top, files, own)
-    if refusal is not None and (say_contradictions(useful) or count_exposures(useful, refusal)):
-        imported, refusal = _tried(top, files, own)
-    if again := _said_again(useful, imported):
-        useful = [draft for draft in useful if draft not in again]
-        ignored = _ignored_sheets(top, drafts, useful, excluded)
+    ignored: list[OpenDoubt] = []
+
+    def tried() -> tuple[Imported, None] | tuple[None, InputError]:
+        """Import the files by the mapping as it is; return the import, or its refusal."""
+        ignored[:] = _ignored_sheets(top, drafts, useful, excluded)
         top.lists["tables"] = [draft.draft for draft in useful]
-        imported, refusal = _tried(top, files, own)
+        try:
+            mapping = parse_mapping(top.text(), None)
+            return import_files(files, mapping, [*own.values()]), None
+        except InputError as error:
+            return None, error
+
+    imported, refusal = tried()
+    if refusal is not None and (say_contradictions(useful) or count_exposures(useful, refusal)):
+        imported, refusal = tried()
+    if again := _said_again(useful, imported):
+        useful[:] = [draft for draft in useful if draft not in again]
+        imported, refusal = tried()
     for say_same in (say_same_conditions, say_same_people):
         if imported is not None and say_same(useful, imported):
-            imported, refusal = _tried(top, files, own)
+            imported, refusal = tried()
+    levels = {name: said for draft in useful for name, said in draft.levels.items()}
+    crossed = len({frozenset(said) for said in levels.values()}) == 1
+    if crossed and imported is not None and {*imported.conditions} == levels.keys():
+        top.tables["condition_levels"] = TomlDraft(dict(levels))
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
     doubts += [*ignored, *left_out, *_unanswered(drafts, known)]
     for draft in useful if not left_over else ():
@@ -198,6 +200,15 @@ def _suggested(
         notes,
         imported,
     )
+
+
+def _alike(tables: Sequence[SourceTable]) -> list[list[SourceTable]]:
+    """Return the tables of the same headings in the same rows together."""
+    groups: dict[tuple[object, ...], list[SourceTable]] = {}
+    for table in tables:
+        rows = None if table.reading.sections else table.reading.heading_rows
+        groups.setdefault((table.headings, rows, table.reading.skip_rows), []).append(table)
+    return [*groups.values()]
 
 
 def _top(files: Sequence[Path], own: Collection[str], drafts: Sequence[TableDraft]) -> TomlDraft:
@@ -397,14 +408,3 @@ def _ignored_sheets(
             question = f"May the {what} {shown} be left out? No answers were understood in them."
             doubts.append(OpenDoubt(question, "yes", ROWS))
     return doubts
-
-
-def _tried(
-    top: TomlDraft, files: Sequence[Path], own: Mapping[str, Instrument]
-) -> tuple[Imported, None] | tuple[None, InputError]:
-    """Import the files by the mapping; return the import, or its refusal."""
-    try:
-        mapping = parse_mapping(top.text(), None)
-        return import_files(files, mapping, [*own.values()]), None
-    except InputError as error:
-        return None, error
