@@ -374,19 +374,6 @@ def test_columns_for_conditions_that_lack_rows_or_say_them_again_are_no_factors(
     assert {len(each.answers) for each in imported.responses.values()} == {2}
 
 
-def test_words_that_tell_rows_of_one_condition_apart_are_scenes(tmp_path: Path) -> None:
-    rows: list[list[object]] = [["Subject", "Condition", "Walked", "Comfort"]]
-    rows += [
-        [f"P{n}", c, way, 1 + (n + 2 * k + j) % 7]
-        for n in range(1, 7)
-        for k, c in enumerate(("HUD", "World"))
-        for j, way in enumerate((("there", "back"), ("up", "down"))[n % 2])
-    ]
-    imported, text = suggested_import([write(tmp_path / "walks.csv", rows)], tmp_path)
-    assert {moment.scene for _, moment in imported.responses} == {"there", "back", "up", "down"}
-    assert "Are rows of one condition told apart by 'Walked'?" in text
-
-
 def test_a_column_of_two_numbers_under_a_heading_for_names_tells_no_people_apart(
     tmp_path: Path,
 ) -> None:

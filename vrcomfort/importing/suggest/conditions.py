@@ -13,7 +13,6 @@ from vrcomfort.importing.suggest.cells import (
     MOST_CONDITIONS,
     few_texts,
     is_numeric,
-    measures,
     texts,
     varies_within,
 )
@@ -364,8 +363,6 @@ class Conditions(FactDraft):
         keys += [c for columns in self._context.columns.values() for c in columns]
         again, repeated = self._again(keys)
         people = {*self._table.column(self._context.participant)}  # without rows left out
-        if repeated and self._told_apart(keys):
-            return
         if again and (repeated or len(again) * 4 > len(people)):
             self._count_exposures(again)
         elif again:
@@ -395,22 +392,6 @@ class Conditions(FactDraft):
                     repeated = repeated or not same
                 seen.setdefault(key, (number, row))
         return again, repeated
-
-    def _told_apart(self, keys: Sequence[int]) -> bool:
-        """Take the words that tell rows of one condition apart for scenes, and ask."""
-        if "scene" in self._context.columns or self._answers.row_keys:
-            return False
-        table = self._table
-        open_ = [c for c in self._roles.unknown if c not in self._context.used]
-        open_ = [c for c in open_ if 1 < len(texts(table, c)) * 2 <= len(table.rows)]
-        open_ = [c for c in open_ if not is_numeric(table, c) and not self._lacks_rows(c)]
-        open_ = [c for c in open_ if not measures(table, c)]
-        for column in (c for c in open_ if not self._again([*keys, c])[0]):
-            self.use("scene", column)
-            question = f"Are rows of one condition told apart by {self.heading(column)!r}?"
-            self.doubt(question, "they are, as scenes, and no conditions", CONDITIONS)
-            return True
-        return False
 
     def _count_exposures(self, again: Mapping[str, Sequence[str]]) -> None:
         """Draft a count of exposures, and ask; `again`: participants with several → equal rows."""
