@@ -676,16 +676,6 @@ def test_columns_that_no_rule_knows_refuse_no_file(tmp_path: Path) -> None:
     assert "May 'secs' be left out (with such columns as outcomes the import refuses" in found.text
 
 
-def test_numbers_among_facts_of_people_are_facts_of_them(tmp_path: Path) -> None:
-    rows: list[list[object]] = [["id", "Comfort", "Trust", "Age", "Driving", "Play", "condition"]]
-    for n in range(12):
-        said = [RANDOM.randint(0, 100) for _ in range(4)]
-        rows.append([f"P{n}", *said[:2], 20 + n, *said[2:], "ab"[n % 2]])
-    imported = imported_from(write(tmp_path / "ride.csv", rows))
-    assert {*own_items(imported)} == {"comfort", "trust"}
-    assert {"age", "driving", "play"} <= {*imported.participants["P3"]}
-
-
 def test_the_mean_of_columns_that_no_rule_knows_is_no_question(tmp_path: Path) -> None:
     parts = ["BeingThere", "Reality", "Visiting"]
     rows: list[list[object]] = [["id", "condition", "Sickness", *parts, "Presence"]]

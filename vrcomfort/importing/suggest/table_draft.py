@@ -55,14 +55,6 @@ from vrcomfort.importing.toml_draft import TomlDraft
 from vrcomfort.questionnaire import Instrument, plain
 from vrcomfort.settings import toml_value
 
-
-def _stands_among(column: int, some: Collection[int], others: Collection[int]) -> bool:
-    """Return whether a column stands between some, or behind some and all of the others."""
-    before = max((c for c in (*some, *others) if c < column), default=None)
-    behind = min((c for c in (*some, *others) if c > column), default=None)
-    return before in some and (behind in some or (behind is None and bool(others)))
-
-
 _SHOWN = 8
 """Columns that a doubt lists."""
 _FEWEST_STAYED = 3
@@ -434,8 +426,8 @@ class TableDraft(SaidByHeadings):
     def once_a_person(self) -> list[int]:
         """Return the columns of facts of people among those taken for own questions.
 
-        They are of no condition, where headings say conditions, or ask for a habit; or they stand
-        among other facts of people, each of whom has one row.
+        They are of no condition, where headings say conditions; or ask for a habit, where each
+        person has one row.
         """
         facts = self._facts_of(OWN)
         leading = self._facts.get(self._answers.leading or OWN, facts)
@@ -452,13 +444,10 @@ class TableDraft(SaidByHeadings):
             }
         who = [] if self.people is None else texts(self.table, self.people)
         if len(who) == len(self.table.rows):
-            of_people = {*self._roles.covariates.values()}
-            known = {*self._answers.taken} - left.keys()
-            between = {c for c in left if _stands_among(c, of_people, known)}
             habits = {c for c in left if self._asks_how_often(c)}
         else:
-            between = habits = set()
-        return [c for c, has in left.items() if not has and (said or c in between | habits)]
+            habits = set()
+        return [c for c, has in left.items() if not has and (said or c in habits)]
 
     def _asks_how_often(self, column: int) -> bool:
         """Return whether a question asks for a habit of a person."""
