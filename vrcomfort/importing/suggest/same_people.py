@@ -59,8 +59,15 @@ def say_same_people(drafts: Sequence[TableDraft], imported: Imported) -> bool:
 
 
 def say_others(drafts: Sequence[TableDraft]) -> None:
-    """Tell people of tables apart who share codes, but not their age, sex or the like; and ask."""
-    _count_apart(drafts)
+    """Tell people of tables apart who share codes, but not their age, sex or the like; and ask.
+
+    So it tells those who are counted row by row, unless they are as many.
+    """
+    counted = [draft for draft in drafts if draft.draft.values.get("participant") == COUNTED]
+    if len({len(table.rows) for draft in counted for table in draft.tables}) > 1:
+        question = "Are rows of {} of other people each, as their numbers differ?"
+        stake = PEOPLE._replace(instead="in each table: participant = { count = true }")
+        _tell_apart(counted, question, "they are", stake)
     known = {id(draft): _known(draft) for draft in drafts}
     others: dict[int, TableDraft] = {}
     for one, two in combinations(drafts, 2):
@@ -71,15 +78,6 @@ def say_others(drafts: Sequence[TableDraft]) -> None:
             others |= {id(one): one, id(two): two}
     question = "People have the same codes in {}: are they the same people?"
     _tell_apart([*others.values()], question, "they are not, as age or the like differs")
-
-
-def _count_apart(drafts: Sequence[TableDraft]) -> None:
-    """Tell people of several tables apart who are counted row by row, unless they are as many."""
-    counted = [draft for draft in drafts if draft.draft.values.get("participant") == COUNTED]
-    if len({len(table.rows) for draft in counted for table in draft.tables}) > 1:
-        question = "Are rows of {} of other people each, as their numbers differ?"
-        stake = PEOPLE._replace(instead="in each table: participant = { count = true }")
-        _tell_apart(counted, question, "they are", stake)
 
 
 def _tell_apart(
