@@ -74,6 +74,7 @@ uniform eye_image near_light;
 uniform eye_image near_radius;
 uniform eye_image cut;
 
+const float STEEPER = 3.0;      // so many pixels are two texels, from the middle of one to that of the next but one
 const float LEAST_FREE = 0.02;  // where near things leave less, no lamp shines through by this
 
 float free_of_near = 1.0 - near_over(near, pixel).a;
@@ -91,7 +92,7 @@ float lit(vec4 q, vec2 off) {
     float lamp = q.a > 0.5 ? lamp_part(q) : 0.0;
     vec2 here = 0.5 * gl_FragCoord.xy, lens = 0.5 * off / max(q.a, 0.5);
     lamp = free_of_near < 1.0 ? lamp : 0.0;
-    float near_px = 0.0, covered = 0.0;
+    float near_px = 0.0, covered = 0.0, most = 0.0;
     vec2 place = vec2(0.0);
     // Few pixels want it. First the radius, then four texels.
     for (int i = 0; i < (lamp > 0.0 ? 5 : 0); ++i)
@@ -102,8 +103,13 @@ float lit(vec4 q, vec2 off) {
         } else {
             ivec2 step = ivec2(i - 1 & 1, i - 1 >> 1), last = size_of(near_light) - 1;
             vec2 beside = fract(place), share = mix(1.0 - beside, beside, vec2(step));
-            covered += share.x * share.y * texel_of(near_light, clamp(ivec2(floor(place)) + step, ivec2(0), last)).a;
+            float part = texel_of(near_light, clamp(ivec2(floor(place)) + step, ivec2(0), last)).a;
+            covered += share.x * share.y * part;
+            most = max(most, part);
         }
+    // Between texels a silhouette is a ramp, along which a lamp would still be white: in the image one of about a pixel.
+    float steeper = max(STEEPER / (1.0 - near_px / max(q.a, 0.5)), 1.0);
+    covered = most * clamp(steeper * (covered / max(most, 1e-4) - 0.5) + 0.5, 0.0, 1.0);
     return mix(1.0, (1.0 - min(covered, 1.0)) / max(free_of_near, LEAST_FREE), lamp * apart(near_px));
 }
 #else

@@ -6,13 +6,15 @@
 // Output: texel t holds texels 2t and 2t + 1 of the input: rgb and coverage, premultiplied by coverage, and
 //         signed RADIUS (px of image width), times coverage; of the nearer surface, then of the farther one.
 //
-// What lies farther may be hidden by the nearer surface, or beside it in the texel.
+// What lies farther may be hidden by the nearer surface, or beside it in the texel. A pixel on a silhouette has light of
+// what is next behind, which is drawn: it is taken out, and the pixel covered as far as the near surface does.
 #include "eyes.glsl"
 #include "coc.glsl"
 #include "near.glsl"
 #include "where.glsl"
 #ifdef FROM_PIXELS
 #include "coc_of_depth.glsl"
+#include "coverage.glsl"
 #include "finite.glsl"
 
 uniform eye_image finer;
@@ -40,8 +42,10 @@ void read(int i, ivec2 at) {
     float z = texel_of(next_depth, at).r;
     float behind = radius_at(z, (vec2(at) + 0.5) / vec2(size_of(finer)));
     vec2 part = vec2(near_part(pixel.a), z < 1.0 ? apart(behind) : 0.0);
-    lights[2 * i] = part.x * vec4(pixel.rgb, 1.0);
-    radii[2 * i] = part.x * pixel.a;
+    vec3 beside = finite(texel_of(next, at).rgb);
+    float less = z < 1.0 ? (1.0 - coverage_of(pixel.a)) * (1.0 - lamp_part(vec4(beside, 0.0))) : 0.0;
+    lights[2 * i] = part.x * vec4(max(pixel.rgb - less * beside, 0.0), 1.0 - less);
+    radii[2 * i] = part.x * (1.0 - less) * pixel.a;
     lights[2 * i + 1] = part.y > 0.0 ? part.y * vec4(finite(texel_of(next, at).rgb), 1.0) : vec4(0.0);
     radii[2 * i + 1] = part.y * behind;
 #else

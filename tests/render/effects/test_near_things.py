@@ -129,15 +129,9 @@ def test_what_a_near_bar_hides_is_what_the_lens_sees(in_three_ways):
         assert rms(ours - true) < 0.5 * rms(alone - true), samples
 
 
-@pytest.mark.parametrize("samples", [16, 36, 96])
-@pytest.mark.parametrize("radius_px", [0.0, 1.0, 1.8])
-@pytest.mark.parametrize("first_px", [0, 2])
-def test_at_a_silhouette_nothing_behind_it_is_sharp(ctx, samples, radius_px, first_px):
-    """A black edge through the middle of pixels, before stripes of 2 px whose disc of 12 px makes
-    them even: of the edge's pixels two of four samples see a stripe, or a gap.
-    """
-    focus_m, far_m, edge_px = 0.5, 9.0, 4.5
-    near_m = 1 / (1 / focus_m + radius_px / 6.4)
+def before_even_stripes(left_px, right_px, radius_px, first_px):
+    """A black board from top to bottom before stripes of 2 px that a disc of 12 px makes even."""
+    near_m, far_m = 1 / (1 / 0.5 + radius_px / 6.4), 9.0
 
     def upright(left_px, right_px, distance_m, material):
         x = np.array([left_px, right_px, right_px, left_px]) * distance_m / 64
@@ -146,19 +140,44 @@ def test_at_a_silhouette_nothing_behind_it_is_sharp(ctx, samples, radius_px, fir
         return mesh(corners, [0, 1, 2, 0, 2, 3], material)
 
     stripes = [upright(x, x + 2, far_m, 1) for x in range(first_px - 200, 200, 4)]
-    content = scene(
+    return scene(
         [at(0, 0, 0, mesh=tuple(range(1 + len(stripes))))],
-        [upright(-999, edge_px, near_m, 0), *stripes],
+        [upright(left_px, right_px, near_m, 0), *stripes],
         [glowing((0.0,) * 3), glowing((1.0,) * 3)],
     )
-    wanted = condition(Focus(method="fixed", fixed_m=focus_m), samples=samples)
-    found = drawn(ctx, content, wanted, watch=False)[0]["linear"][32, 62:76, 0]
-    # Of each pixel's points the part of the lens that sees past the edge.
+
+
+def beside_a_silhouette(ctx, content, samples):
+    """Return 14 pixels of a row, from 2 pixels left of the image's middle on."""
+    wanted = condition(Focus(method="fixed", fixed_m=0.5), samples=samples)
+    return drawn(ctx, content, wanted, watch=False)[0]["linear"][32, 62:76, 0]
+
+
+def past(edge_px, radius_px):
+    """Return of the points of these pixels the part of a disc that is right of an edge."""
     across = np.arange(-2, 12)[:, None] + (np.arange(16) + 0.5) / 16 - edge_px
-    past = across / max(radius_px, 1e-3)
-    past = np.clip(past, -1, 1)
-    free = 0.5 + (past * np.sqrt(1 - past**2) + np.arcsin(past)) / np.pi
-    np.testing.assert_allclose(found, 0.5 * free.mean(axis=1), atol=0.08)
+    part = np.clip(across / max(radius_px, 1e-3), -1, 1)
+    return (0.5 + (part * np.sqrt(1 - part**2) + np.arcsin(part)) / np.pi).mean(axis=1)
+
+
+@pytest.mark.parametrize("samples", [16, 36, 96])
+@pytest.mark.parametrize("radius_px", [0.0, 1.0, 1.8])
+@pytest.mark.parametrize("first_px", [0, 2])
+def test_at_a_silhouette_nothing_behind_it_is_sharp(ctx, samples, radius_px, first_px):
+    """Of the pixels at the edge two of four samples see a stripe, or a gap."""
+    content = before_even_stripes(-999, 4.5, radius_px, first_px)
+    found = beside_a_silhouette(ctx, content, samples)
+    np.testing.assert_allclose(found, 0.5 * past(4.5, radius_px), atol=0.08)
+
+
+@pytest.mark.parametrize("samples", [16, 36, 96])
+@pytest.mark.parametrize("first_px", [2, 4])
+def test_a_near_wire_hides_as_much_as_it_is_wide(ctx, samples, first_px):
+    """It covers half of two pixels, and a pixel's width of the light behind."""
+    content = before_even_stripes(4.5, 5.5, 3.0, first_px)
+    found = beside_a_silhouette(ctx, content, samples)
+    expected = 0.5 * (1 - past(4.5, 3.0) + past(5.5, 3.0))
+    np.testing.assert_allclose(found, expected, atol=0.02)
 
 
 @pytest.mark.parametrize(("near_m", "wide"), [(0.5, True), (0.56, True), (0.58, False)])

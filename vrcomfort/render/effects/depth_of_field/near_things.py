@@ -336,7 +336,12 @@ class NearThings:
             "next_depth": next_depth,
             **coc.depth_to_coc.inputs,
         }
-        defines = {**coc.depth_to_coc.defines, **self._behind, "FROM_PIXELS": 1}
+        defines = {
+            **coc.depth_to_coc.defines,
+            **coc.coverage,
+            **self._behind,
+            "FROM_PIXELS": 1,
+        }
         found: list[FullscreenPass] = []
         for level in range(1, max(int(coc.level_defines["LEVELS"]), 2)):
             if found:
