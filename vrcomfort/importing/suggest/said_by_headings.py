@@ -28,14 +28,7 @@ from vrcomfort.importing.suggest.block_conditions import (
     without_levels,
 )
 from vrcomfort.importing.suggest.cells import texts
-from vrcomfort.importing.suggest.draft import (
-    CONDITIONS,
-    ORDER,
-    PEOPLE,
-    SAME_CONDITION,
-    WHOLE,
-    OpenDoubt,
-)
+from vrcomfort.importing.suggest.draft import CONDITIONS, PEOPLE, SAME_CONDITION, WHOLE, OpenDoubt
 from vrcomfort.importing.suggest.found_answers import Found, FoundAnswers, without_name
 from vrcomfort.importing.suggest.heading_facts import heading_facts
 from vrcomfort.importing.suggest.heading_roles import PERSON_CODE, roles_of
@@ -128,15 +121,7 @@ class SaidByHeadings(KeptRows):
         columns = conditions_beside(self.table, blocks, closed, self._vocabulary)
         if not columns:
             return []
-        facts = self._take_beside(columns, "of the answers beside them")
-        for row in self.table.rows:
-            said = [row[column] for column in columns if column is not None and row[column]]
-            if len({*said}) < len(said):
-                self.draft.put("trial", {"count": True}, "exposures in the order of the columns")
-                question = f"One condition twice in a row ({', '.join(said)}): was it shown twice?"
-                self.doubts.append(OpenDoubt(question, "it was", ORDER))
-                break
-        return facts
+        return self._take_beside(columns, "of the answers beside them")
 
     def _people_in_headings(self) -> list[dict[str, str]]:
         """Return the participants whom the columns of a long table are called after."""
