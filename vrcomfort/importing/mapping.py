@@ -69,12 +69,17 @@ class Fact(Settings):
     may be names of people, or (without a column) the rows."""
 
 
-class Read(Settings):
-    """How the files are read; omitted keys are detected, and noted."""
+class TextRead(Settings):
+    """How a text file is read; omitted keys are detected, and noted."""
 
     encoding: str | None = None
     separator: str | None = None
     decimal: Literal[".", ","] | None = None
+
+
+class Read(TextRead):
+    """How the files are read; omitted keys are detected, and noted."""
+
     heading_rows: tuple[Annotated[int, Field(ge=0)], ...] | None = None
     skip_rows: tuple[Annotated[int, Field(ge=0)], ...] = ()
     transpose: bool = False

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from vrcomfort.files import read_text
-from vrcomfort.importing.mapping import Doubt, Guess, Texts, require_answers
+from vrcomfort.importing.mapping import Doubt, Guess, TextRead, Texts, require_answers
 from vrcomfort.rotations import Array
 from vrcomfort.settings import Problem, Settings, first_problem, parse_settings
 
@@ -24,12 +24,9 @@ STANDING_M = (0.0, 1.6, 0.0)
 """Where a head is put of which only the orientation was logged."""
 
 
-class LogRead(Settings):
+class LogRead(TextRead):
     """How the log is read; omitted keys are detected."""
 
-    encoding: str | None = None
-    separator: str | None = None
-    decimal: Literal[".", ","] | None = None
     heading_row: Annotated[int, Field(ge=0)] | None = None
     """The row of the headings, from 1; 0: none, columns are ``column 1`` and so on."""
 

@@ -336,8 +336,7 @@ class OwnQuestions:
 
     def _is_no_answer(self, column: int) -> bool:
         """Return whether a column is a flag, a level, known of a person, or asks how often."""
-        pairs = {a + b for a, b in pairwise(self._words(column))}
-        phrase = bool(pairs & self._vocabulary.asking_others)  # how often, wie viele
+        phrase = self._vocabulary.asks_of_habits(self._words(column))
         flag = self._scales[column].high < _FEWEST_STEPS
         balanced = self._is_balanced(column) and not self._is_agreement(column)
         return flag or phrase or balanced or self._is_of_person(column)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
-from itertools import pairwise
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
@@ -444,15 +443,11 @@ class TableDraft(SaidByHeadings):
             }
         who = [] if self.people is None else texts(self.table, self.people)
         if len(who) == len(self.table.rows):
-            habits = {c for c in left if self._asks_how_often(c)}
+            names = self.table.headings
+            habits = {c for c in left if self._vocabulary.asks_of_habits(tokens(names[c]))}
         else:
             habits = set()
         return [c for c, has in left.items() if not has and (said or c in habits)]
-
-    def _asks_how_often(self, column: int) -> bool:
-        """Return whether a question asks for a habit of a person."""
-        words = tokens(self.table.headings[column])
-        return bool({a + b for a, b in pairwise(words)} & self._vocabulary.asking_others)
 
     def _say_of_people(self, columns: Collection[int]) -> None:
         """Take columns that nothing else knows for facts of people, and ask."""

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from functools import cache, cached_property, lru_cache
-from itertools import chain, count
+from itertools import chain, count, pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -107,11 +107,9 @@ class FactLabels(Settings):
     scene: Labels = Labels()
 
 
-class IgnoredLabels(Headings):
-    """Headings of columns that no analysis needs."""
+class IgnoredLabels(Labels):
+    """Headings of columns that no analysis needs; `words` are of answers in own words."""
 
-    words: _Words = ()
-    """Words of headings of answers in own words."""
     responses: _Words = ()
     """Those among `labels` of which each response has its own."""
     personal: _Words = ()
@@ -422,6 +420,10 @@ class LabVocabulary:
     def listed_initials(self, instrument: Instrument) -> Mapping[str, str]:
         """Return initials → item, those of the vocabulary files alone: no others count so much."""
         return self._initials.get(instrument.name, {})
+
+    def asks_of_habits(self, words: Sequence[str]) -> bool:
+        """Return whether two words of a heading ask how often, how long, or the like."""
+        return bool({a + b for a, b in pairwise(words)} & self.asking_others)
 
     def degree(self, text: str) -> int | None:
         """Return how much an answer such as ``rather not applicable`` says; None if two degrees."""
