@@ -124,14 +124,13 @@ class OwnQuestions:
 
         self._scales |= {c: each.scale for c, each in self._left.items() if not each.measured}
         self.conditions = self._codes_of_conditions()
-        """Words that tell columns of the same questions apart, as conditions: ``A_1``, ``B_1``."""
+        """Words that tell the same questions apart, as conditions: ``PnP_1``, ``HMD_1``."""
         self._apart |= {word for code in self.conditions for word in code}
 
     def _codes_of_conditions(self) -> list[tuple[str, ...]]:
-        """Return the codes before runs of the same numbers, where people met all in an order.
-
-        So they did where codes are letters, or a column has the order.
-        """
+        """Return the codes before runs of the same numbers, where a column has their order."""
+        if "sequence" not in self._roles.covariates or self._roles.facts.get("condition"):
+            return []
         series: dict[tuple[str, ...], list[str]] = defaultdict(list)
         for column in self._scales:
             *code, last = tokens(self._table.headings[column])
@@ -144,11 +143,8 @@ class OwnQuestions:
                 alike[tuple(numbers)].append(words)
         codes = max(alike.values(), key=len, default=[])
         said = [(c, tokens(self._table.headings[c])[:-1]) for c in self._scales]
-        if not self._are_met_together([[c for c, w in said if w == [*code]] for code in codes]):
-            return []
-        letters = all(len(code) == len(code[0]) == 1 for code in codes)
-        ordered = "sequence" in self._roles.covariates and not self._roles.facts.get("condition")
-        return codes if len(codes) > 1 and (letters or ordered) else []
+        groups = [[c for c, w in said if w == [*code]] for code in codes]
+        return codes if len(codes) > 1 and self._are_met_together(groups) else []
 
     def _are_met_together(self, groups: Collection[Collection[int]]) -> bool:
         """Return whether people answered columns of several groups: others are forms of one."""
