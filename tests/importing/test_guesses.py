@@ -427,3 +427,25 @@ def test_a_misspelt_heading_below_a_title_is_no_title(tmp_path: Path) -> None:
     text = suggest_mapping([tmp_path / "study.xlsx"]).text
     assert "Sheet: Glasses" in text
     assert 'participant = { column = "Partcipant" }' in text
+
+
+def test_a_total_that_the_answers_do_not_give_in_every_row_is_kept_and_asked_about(
+    tmp_path: Path,
+) -> None:
+    items = ["Mental Demand", "Physical Demand", "Temporal Demand", "Performance", "Effort"]
+    answers = [[1 + (7 * n + 5 * k) % 20 for k in range(6)] for n in range(8)]
+    totals = [round(sum(each) / 6 * 5, 2) for each in answers]
+
+    def drafted(name: str, totals: list[float]) -> tuple[list[str], str]:
+        rows = [["ID", *items, "Frustration", "TLX SCORE"]]
+        rows += [[f"P{n}", *each, totals[n]] for n, each in enumerate(answers)]
+        found = suggest_mapping([write(tmp_path / name, rows)])
+        assert found.imported is not None
+        return sorted({instrument for instrument, _ in found.imported.responses}), found.text
+
+    whole, text = drafted("tlx.csv", totals)
+    assert whole == ["nasa_tlx"]
+    assert "# TLX SCORE: a score made of the answers" in text
+    kept, text = drafted("tlx_2.csv", [*totals[:6], 5.0, totals[7]])
+    assert kept == ["nasa_tlx", "nasa_tlx_scores"]
+    assert "'TLX SCORE' is not in all rows the score of the answers beside it" in text

@@ -435,6 +435,7 @@ def test_weights_and_products_of_a_task_load_index_stand_beside_its_ratings(
     suggested = suggest_mapping([table(tmp_path / "nasatlx.csv", rows)])
     assert suggested.imported is not None, suggested.doubts
     assert suggested.imported.conditions == ["v0", "v1"]
+    assert "# Sum: a score made of the answers" in suggested.text
     for response, row in zip(suggested.imported.responses.values(), rows[1:], strict=True):
         assert [*response.answers.values()] == [*row[3:9], *row[10:16]]
     assert not any("What do the answers" in doubt for doubt in suggested.doubts)

@@ -76,6 +76,7 @@ _BLOCK = 'another block in the mapping: instrument = "…", first_columns = ["it
 INSTRUMENT = Stake("scores would be made by another formula", 72, _BLOCK)
 SHORT_FORM = Stake(_SHORTER, 70, _SHORT)
 SCORE_KIND = Stake("scores would be called what they are not", 68, 'below scores: kind = "other"')
+NOT_MADE = Stake("two scores of the same answers would differ", 67, _words("ignored"))
 SAME_PERSON = Stake("one person would count as two", 66, _SAME_P)
 SAME_CONDITION = Stake("one condition would count as two", 64, _SAME_C)
 TIMES = Stake(_UNIT, 62, 'in the questionnaire: time_unit = "min"')

@@ -5,11 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number, numbers_in
+from vrcomfort.importing.made_instruments import ROUNDED
 from vrcomfort.importing.mapping import template_pattern
 from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.answer_scales import step_of
 from vrcomfort.importing.suggest.cells import texts
 from vrcomfort.importing.suggest.codings import Coding, coding_of, coding_of_texts
 from vrcomfort.importing.suggest.draft import (
@@ -34,7 +39,10 @@ from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating
 from vrcomfort.importing.suggest.scores import parts_of
 from vrcomfort.importing.suggest.vocabulary import Known, LabVocabulary, tokens
 from vrcomfort.importing.toml_draft import TomlDraft
-from vrcomfort.questionnaire import Instrument, plain
+from vrcomfort.questionnaire import Instrument, Scale, plain
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 Drafted = tuple[TomlDraft, list[OpenDoubt]]
 
@@ -427,6 +435,69 @@ def sum_of(
             return parts
         every |= answers
     return parts_of(values, every) if len(blocks) > 1 else None
+
+
+MADE_OF_ANSWERS = "a score made of the answers"
+
+
+def is_score_of(
+    table: SourceTable, column: int, blocks: Sequence[Found], known: Known
+) -> bool | None:
+    """Return whether a column is, in all rows, a score of a questionnaire in some unit.
+
+    The answer is None where items or rows are too few to tell.
+    """
+    if sum_of(table, column, blocks, known):
+        return True
+    given = np.array(_values(table, column), dtype=float)
+    told = False
+    for block in blocks:
+        coding = coding_of(table, block.columns, block.instrument, known.vocabulary)
+        as_numbers = {**coding.answers, **dict.fromkeys(coding.missing, None)}
+        answers = {
+            item: np.array([as_numbers.get(cell, number(cell, table.decimal)) for cell in cells])
+            for item, named in block.items.items()
+            if (cells := table.column(named.column))
+        }
+        answers = {item: each.astype(float) for item, each in answers.items()}
+        whole = [np.sum([answers[i.name] for i in block.instrument.asked if i.name in answers], 0)]
+        for raw in (*whole, *(_raw(e, block.instrument, answers) for e in block.instrument.scales)):
+            both = None if raw is None else ~np.isnan(raw + given)
+            if both is None or sum(both) < _FEWEST_SCORED:
+                continue
+            x, y = raw[both], given[both]
+            if np.ptp(x) and np.ptp(y):
+                rounded = min(max(ROUNDED, 0.51 * step_of(y)), np.ptp(y) / 20)
+                if np.abs(np.polyval(np.polyfit(x, y, 1), x) - y).max() <= rounded:
+                    return True
+                told = told or raw is not whole[0]
+    return False if told else None
+
+
+_FEWEST_SCORED = 4
+"""Rows with a score: any two are in a line."""
+
+
+def _raw(
+    scale: Scale, instrument: Instrument, answers: Mapping[str, NDArray[np.float64]]
+) -> NDArray[np.float64] | None:
+    """Return a score but for its unit and its zero; None where items are not there."""
+    needed = {term.item for term in scale.terms} | {weight for _, weight in scale.weights}
+    if not needed <= answers.keys():
+        return None
+    weights = dict(scale.weights)
+    parts = [
+        term.slope * answers[term.item] * (answers[weights[term.item]] if weights else 1)
+        for term in scale.terms
+    ]
+    for name, times in scale.parts:
+        part = instrument.scale(name)
+        own = None if part is None else _raw(part, instrument, answers)
+        if own is None:
+            return None
+        parts.append(times * own)
+    whole: NDArray[np.float64] = np.sum(parts, axis=0)
+    return whole
 
 
 def leftovers(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.files import is_number
@@ -29,6 +30,7 @@ from vrcomfort.importing.suggest.cells import (
 from vrcomfort.importing.suggest.draft import (
     LEFT,
     LOST,
+    NOT_MADE,
     SAME_PERSON,
     SCORE_KIND,
     STAYED,
@@ -46,7 +48,12 @@ from vrcomfort.importing.suggest.heading_facts import template_of
 from vrcomfort.importing.suggest.heading_roles import inner_names, is_personal
 from vrcomfort.importing.suggest.left_over import ask_to_leave_out, in_first_person, left_over
 from vrcomfort.importing.suggest.own_instruments import TakenFor, ask_about
-from vrcomfort.importing.suggest.questionnaires import leftovers, sum_of
+from vrcomfort.importing.suggest.questionnaires import (
+    MADE_OF_ANSWERS,
+    is_score_of,
+    leftovers,
+    sum_of,
+)
 from vrcomfort.importing.suggest.said_by_headings import OF_WHAT_WAS_USED, SaidByHeadings
 from vrcomfort.importing.suggest.scores import FoundScores, by_kind
 from vrcomfort.importing.suggest.vocabulary import OUTCOME, Known, covariate_name, free_name, tokens
@@ -319,21 +326,22 @@ class TableDraft(SaidByHeadings):
         """Draft scores of instruments without answers in the table."""
         drafts = []
         asked: dict[str, list[str]] = {}
-        for each, said in zip(self._answers[SCORES], self._facts_of(SCORES), strict=True):
-            if each.instrument.name in self._answered:
-                self._made |= dict.fromkeys(each.columns, "a score made of the answers")
-                continue
-            if self._averages(each):
+        for found, said in zip(self._answers[SCORES], self._facts_of(SCORES), strict=True):
+            beside = found.instrument.name in self._answered
+            each = self._unlike_answers(found) if beside else found
+            if not beside and self._averages(each):
                 self._made |= dict.fromkeys(each.columns, "a mean of the others")
                 continue
-            for kind, part in by_kind(self.table, each).items():
+            for kind, part in by_kind(self.table, each).items() if each.scales else ():
                 scales = {scale: self.table.headings[c] for scale, c in part.scales.items()}
                 draft = TomlDraft({"instrument": part.instrument.name, **said, "kind": kind})
                 if part.where is not None:
                     draft.put("where", {self.table.headings[part.where[0]]: part.where[1]})
-                draft.note("The answers are not in the file: scores alone.")
                 draft.tables["scales"] = TomlDraft(dict(scales))
                 drafts.append(draft)
+                if beside:
+                    continue
+                draft.note("The answers are not in the file: scores alone.")
                 what = {"raw_sum": "raw sums", "score": "scores by the published formula"}.get(
                     kind, "scores by another formula"
                 )
@@ -346,6 +354,24 @@ class TableDraft(SaidByHeadings):
             self.doubts.append(OpenDoubt(question, assumed, SCORE_KIND))
         if drafts:
             self.draft.lists["scores"] = drafts
+
+    def _unlike_answers(self, scores: FoundScores) -> FoundScores:
+        """Return the scores that are not in all rows those of the answers, and ask about them.
+
+        The others are ignored.
+        """
+        blocks = [b for b in self._answers[BLOCKS] if b.instrument == scores.instrument]
+        unlike = {}
+        for scale, column in scores.scales.items():
+            said = is_score_of(self.table, column, blocks, self._known) if blocks else None
+            if said is not False:
+                self._made[column] = MADE_OF_ANSWERS if said else "its answers are there"
+                continue
+            unlike[scale] = column
+            name = self.table.headings[column]
+            question = f"{name!r} is not in all rows the score of the answers beside it: is it one?"
+            self.doubts.append(OpenDoubt(question, "it is, and kept as the file has it", NOT_MADE))
+        return replace(scores, scales=unlike)
 
     def _averages(self, scores: FoundScores) -> bool:
         """Return whether scores are means over conditions, which others are beside."""
@@ -520,6 +546,12 @@ class TableDraft(SaidByHeadings):
         for column in columns:
             name = self.table.headings[column]
             reason = reasons.get(column) or self._made.get(column, "")
+            if (
+                not reason
+                and self._answers.has_products
+                and is_score_of(self.table, column, self._answers[BLOCKS], self._known)
+            ):
+                reason = MADE_OF_ANSWERS
             if is_personal(name, self._vocabulary):
                 reason = "may tell who the person is"
             if reason:
