@@ -449,3 +449,18 @@ def test_a_total_that_the_answers_do_not_give_in_every_row_is_kept_and_asked_abo
     kept, text = drafted("tlx_2.csv", [*totals[:6], 5.0, totals[7]])
     assert kept == ["nasa_tlx", "nasa_tlx_scores"]
     assert "'TLX SCORE' is not in all rows the score of the answers beside it" in text
+
+
+def test_a_few_names_of_scales_are_no_published_scores_of_a_questionnaire_with_more(
+    tmp_path: Path,
+) -> None:
+    rows: list[list[object]] = [["ID", "Level", "Ownership", "Frustration", "Performance"]]
+    rows += [
+        [f"P{n}", level, 1 + (n + k) % 7, 1 + (3 * n + k) % 7, (5 * n + k) % 27]
+        for n in range(8)
+        for k, level in enumerate(("Body", "Blocks"))
+    ]
+    imported, _ = suggested_import([write(tmp_path / "questionnaire.csv", rows)], tmp_path)
+    assert not any("nasa_tlx" in instrument for instrument, _ in imported.responses)
+    found = [value for each in imported.responses.values() for value in each.answers.values()]
+    assert sorted(found) == sorted(value for row in rows[1:] for value in row[2:])

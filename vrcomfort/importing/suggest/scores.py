@@ -258,7 +258,8 @@ def _is_sure(table: SourceTable, instrument: Instrument, scales: Mapping[str, in
     single = all(len("".join(tokens(name))) < 3 for name in names)
     if single:
         return len(scales) >= 3
-    return said or len(scales) >= 2
+    several = sum(not each.alone for each in instrument.scales)
+    return said or (len(scales) >= 2 and 2 * len(scales) >= several)
 
 
 def rise_from_first(table: SourceTable, found: Sequence[FoundScores]) -> bool:
