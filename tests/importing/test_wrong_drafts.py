@@ -251,3 +251,14 @@ def test_answers_after_exposure_of_no_condition_are_asked_about(tmp_path: Path) 
     found = suggest_mapping([write(tmp_path / "ssq.csv", [head, *rows, *once])])
     asked = f"Of which condition are {len(PEOPLE)} questionnaires after exposure"
     assert any(doubt.startswith(asked) for doubt in found.doubts)
+
+
+def test_the_same_answer_of_everybody_is_an_outcome_once_the_lab_says_so(tmp_path: Path) -> None:
+    rows = [[p, *[(n + k) % 4 for k in range(16)], 0] for n, p in enumerate(PEOPLE)]
+    file = write(tmp_path / "x.csv", [["ID", *ENGLISH, "Stumbles"], *rows])
+    drafted = suggest_mapping([file]).imported
+    assert drafted is not None
+    assert "stumbles" not in items_of(drafted)
+    imported = told(file, '[outcomes]\nlabels = ["Stumbles"]\n')
+    found = [r.answers["stumbles"] for r in imported.responses.values() if "stumbles" in r.answers]
+    assert found == [0] * len(PEOPLE)

@@ -156,7 +156,7 @@ def reading_of(
     given = texts(table, column)
     words = [text for text in given if not is_missing(text, vocabulary)]
     numbers = {text: number(text, table.decimal) for text in words}
-    if len(words) < _FEWEST:
+    if len(words) < (1 if told else _FEWEST):
         return None
     values = [value for value in numbers.values() if value is not None]
     scale = scale_of(table, column, vocabulary)
