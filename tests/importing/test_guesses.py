@@ -464,3 +464,20 @@ def test_a_few_names_of_scales_are_no_published_scores_of_a_questionnaire_with_m
     assert not any("nasa_tlx" in instrument for instrument, _ in imported.responses)
     found = [value for each in imported.responses.values() for value in each.answers.values()]
     assert sorted(found) == sorted(value for row in rows[1:] for value in row[2:])
+
+
+def test_numbers_of_two_series_in_a_table_are_the_same_moments_though_one_column_is_constant(
+    tmp_path: Path,
+) -> None:
+    names = "SSQ{} Total Severity Score", "Said they were sick on SSQ{}? (0=No, 1=Yes)"
+    head = ["Subject #", *(name.format(k) for k in (1, 2, 3) for name in names)]
+    rows: list[list[object]] = [[*head]]
+    for n in range(9):
+        scores = (3.74 * (n % 2), 3.74 * (5 + n), 3.74 * (1 + n))
+        sick = (0, n % 2, int(n % 4 == 1))
+        rows.append([f"{n}F", *(cell for pair in zip(scores, sick, strict=True) for cell in pair)])
+    imported, text = suggested_import([write(tmp_path / "totals.csv", rows)], tmp_path)
+    for own in (True, False):
+        found = [m for name, m in imported.responses if name.startswith("own") == own]
+        assert {m.timepoint for m in found} == {"baseline", "post", "recovery"}, text
+        assert {m.condition for m in found} == {"all"}

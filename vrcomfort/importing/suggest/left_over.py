@@ -7,6 +7,7 @@ a rating on a usual scale, or a measurement as it stands. One doubt asks about a
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -59,7 +60,8 @@ def left_over(
         if _numbers_rows(context, column) and not told:
             continue
         reason = "" if told else _reason(context, column)
-        reading = reading_of(table, column, context.vocabulary, told=told)
+        like = _sibling(table, column)
+        reading = reading_of(table, like, context.vocabulary, told=told)
         if reading is None and (told or _answers_by_yes(context, column)):
             flag = yes_or_no(texts(table, column), context.vocabulary)
             reading = TakenFor(AnswerRange(0, 1), measured=True) if flag else None
@@ -91,11 +93,25 @@ def _reason(context: Context, column: int) -> str:
     people = len(texts(table, who)) if who is not None else len(table.rows)
     if context.time is not None or len(table.rows) > _MOST_ROWS * people:
         return "rows are moments of an exposure"
-    if len(texts(table, column)) < _FEWEST:
+    if len(texts(table, _sibling(table, column))) < _FEWEST:
         return "the same number in all rows"
     if tokens(table.headings[column])[-1:] == ["id"]:
         return "numbers that name something"
     return next((why for why, test in _REASONS.items() if test(context, column)), "")
+
+
+def _sibling(table: SourceTable, column: int) -> int:
+    """Return the column, or one of its numbered series that varies, where it says one number."""
+    if len(texts(table, column)) != 1 or not is_numeric(table, column):
+        return column
+
+    def words(each: int) -> list[str]:
+        return re.sub(r"\d+", " ", " ".join(tokens(table.headings[each]))).split()
+
+    own = words(column)
+    others = (c for c in range(len(table.headings)) if c != column and words(c) == own)
+    varied = (c for c in others if is_numeric(table, c) and len(texts(table, c)) > 1)
+    return next(varied, column)
 
 
 def _numbers_rows(context: Context, column: int) -> bool:

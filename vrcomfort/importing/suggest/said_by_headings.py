@@ -186,6 +186,7 @@ class SaidByHeadings(KeptRows):
         said = [c for c in self._roles.facts.get("condition", []) if len(texts(self.table, c)) > 1]
         people = self._roles.facts.get("participant", [])
         scores = [each for each in found if isinstance(each, FoundScores)]
+        scores = scores or self._answers[SCORES]  # numbers of all series of a table are one thing
         rises = rise_from_first(self.table, scores) or self._answers_rise(found)
         if not said:
             return "timepoint" if rises else "condition"
