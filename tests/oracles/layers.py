@@ -24,6 +24,8 @@ from vrcomfort.geometry import Array
 
 SHARP_PX = 0.5
 """Discs up to this radius are the pixel itself."""
+WIDE_NEAR_PX = 2.0
+"""In front of the focus, up to this radius what is behind has its own discs."""
 
 
 def layered(points: ArrayLike, /, *, pixel_aspect: float = 1.0) -> Array:
@@ -84,11 +86,14 @@ def as_own_px(own_px: ArrayLike, other_px: ArrayLike, /) -> Array:
 def radius_behind_px(own_px: ArrayLike, other_px: ArrayLike, /) -> Array:
     """Return the radius over which a point behind another is gathered, from signed radii.
 
-    Behind the focus its own; in front of it, where the lens sees what the nearer one hides, that of
-    the nearer one.
+    Its own, or the nearer one's if that is wider. From 2 to 3 px in front of the focus the nearer
+    one's takes over: there the lens sees what that hides.
     """
     own, other = np.asarray(own_px, dtype=np.float64), np.asarray(other_px, dtype=np.float64)
-    return np.where(own > 0, np.maximum(np.abs(other), np.abs(own)), np.abs(own))
+    wide = np.clip(-own - WIDE_NEAR_PX, 0, 1)
+    wider = np.maximum(np.abs(other), np.abs(own))
+    radius: Array = wider + wide * (np.abs(own) - wider)
+    return radius
 
 
 class _Added(NamedTuple):
