@@ -3,8 +3,8 @@
 //
 // Input:  colour_and_coc (colour_and_coc.frag; signed CoC RADIUS in px of image width, negative in front
 //         of the focus); layers of level 1, 2 … (layers.frag): what wide discs are made of; tile: what may
-//         reach it (coc_tile_dilate.frag). WITH_CUT: near (near_gather.frag), near_light and near_radius (the finest of
-//         near_layer.frag), cut (cut_tiles.frag).
+//         reach it (coc_tile_dilate.frag). WITH_CUT: near (near_gather.frag), near_pixels (near_pixels.frag), near_light and
+//         near_radius (the finest of near_layer.frag), cut (cut_tiles.frag).
 // Output: the blurred image, linear HDR, full resolution.
 //
 // A pixel p looks for three kinds of neighbours q, told apart by their CoC, which orders depth:
@@ -70,6 +70,7 @@ vec4 foreground = vec4(0.0);  // rgb * opacity, opacity
 // A lamp is no veil. What is near is drawn over this image and veils it evenly: of a lamp's disc there is so much
 // more here, or less, that what is seen of it is cut where something near hides it from the lens's point.
 uniform eye_image near;
+uniform eye_image near_pixels;
 uniform eye_image near_light;
 uniform eye_image near_radius;
 uniform eye_image cut;
@@ -77,7 +78,7 @@ uniform eye_image cut;
 const float STEEPER = 3.0;      // so many pixels are two texels, from the middle of one to that of the next but one
 const float LEAST_FREE = 0.02;  // where near things leave less, no lamp shines through by this
 
-float free_of_near = 1.0 - near_over(near, pixel).a;
+float free_of_near = 1.0 - near_over(near, near_pixels, pixel).a;
 float widest_near_px = -texel_of(cut, pixel / POINT_PX).r;
 
 // Of something near about a place, in texels of the finest level: its RADIUS, or `none`.

@@ -1,5 +1,6 @@
 #version 450 core
-// The discs of near things at half resolution, and who hides whom among them.
+// The discs of near things at half resolution, but small ones of what is seen (near_pixels.frag), and who hides whom
+// among them.
 //
 // Input:  light: NEAR_LEVELS levels of what is near; light_2: of what is near behind that, or beside it in the
 //         texel; radius: of both (near_layer.frag); tile (near_tiles.frag).
@@ -38,21 +39,23 @@ float lamp_behind = lamp_part(p_behind);
 
 vec4 own = vec4(0.0);          // of p's surface
 vec4 behind = vec4(0.0);       // of the surface behind it
-vec4 nearer_only = vec4(0.0);  // of what is nearer than p
-vec4 farther_only = vec4(0.0); // of what is farther
-vec4 all = vec4(0.0), all_behind = vec4(0.0);  // of all that is near
+
+// Light and opacity without what is left to pixels, and opacity with it: that hides what is behind as well.
+struct Over {
+    vec4 light;
+    float opacity;
+};
+
+Over nearer_only = Over(vec4(0.0), 0.0);   // of what is nearer than p
+Over farther_only = Over(vec4(0.0), 0.0);  // of what is farther
+Over all = Over(vec4(0.0), 0.0), all_behind = Over(vec4(0.0), 0.0);  // of all that is near
 float own_behind = 0.0;        // of p's surface, what is the surface behind it, which goes on from it
 
-// How the radius of p's surface grows: the lesser of the steps to both sides, per pixel.
+// How the radius of p's surface grows, per pixel.
 float step_to(ivec2 to) {
     ivec2 at = clamp(middle + to, ivec2(0), last_texel);
     float part = texel_of(light[0], at).a;
     return part > 0.0 ? 0.5 * (texel_of(radius[0], at).r / part - own_radius) : 1e4;
-}
-
-float lesser(float a, float b) {
-    float found = abs(a) < abs(b) ? a : b;
-    return abs(found) < 0.5 ? found : 0.0;
 }
 
 vec2 slope = vec2(lesser(step_to(ivec2(1, 0)), -step_to(ivec2(-1, 0))),
@@ -92,9 +95,20 @@ float nearer_part(vec2 at, float than_px) {
     return found;
 }
 
+// Part of a texel's second surface that lies beside its first, and not behind it.
+float visible(vec4 first, vec4 second) {
+    return min(1.0 - first.a, second.a) / max(second.a, 1e-4);
+}
+
 // Whether a level draws a disc that p wants.
 float own_part_on(int level, vec4 of, float radius_px) {
     return of.a > 0.0 ? part_on(level, -radius_px) : 0.0;
+}
+
+void add(inout Over sum, float part, float kept, vec4 comes) {
+    part /= PI * pixel_aspect;
+    sum.light += part * kept * comes;
+    sum.opacity += part * comes.a;
 }
 
 void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int level) {
@@ -113,7 +127,6 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
     int top = comes || own_part + behind_part > 0.0 ? int(floor(place.y + rows)) : -1000000;
     ivec2 last = size_of(light_of) - 1;
     vec4 found = vec4(0.0), found_behind = vec4(0.0);
-    vec4 over = vec4(0.0), over_nearer = vec4(0.0), over_farther = vec4(0.0), over_behind = vec4(0.0);
     float seen = 0.0, seen_behind = 0.0, found_both = 0.0;
     for (int y = int(ceil(place.y - rows)); y <= top; ++y) {
         float row = (float(y) - place.y) / pixel_aspect;
@@ -138,10 +151,11 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
                 float far_before = is_nearer * farther(q_px, own_px);
                 float beside = nearer(radius_behind, q_px), far_beside = beside * farther(q_px, radius_behind);
                 vec4 comes_here = apart(q_px) * part_on(level, -q_px) * disc_share(away, texels_of_light(q, -q_px, texel_px)) * q;
-                over += comes_here;
-                over_nearer += is_nearer * comes_here;
+                float kept = 1.0 - pixels_part(q_px);
+                add(all, 1.0, kept, comes_here);
+                add(nearer_only, is_nearer, kept, comes_here);
                 float last_px = p_behind.a > 0.0 ? radius_behind : own_px;
-                over_farther += farther(last_px, q_px) * comes_here;
+                add(farther_only, farther(last_px, q_px), kept, comes_here);
                 vec4 as_own = (1.0 - is_nearer - is_farther) * share * q;
                 float as_behind = 1.0 - beside - farther(radius_behind, q_px);
                 found += as_own;
@@ -155,19 +169,20 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
                     // Seen from here, the nearer surface hides it elsewhere.
                     vec2 by = gl_FragCoord.xy + 0.5 * texel_px * off * (q_px / q2_px);
                     float hides = nearer_part(by, q2_px), hides_lamp = lamp_behind * hides;
+                    float visible_2 = visible(q, q2);
                     vec4 comes_2 = (1.0 - hides) * apart(q2_px) * part_on(level, -q2_px)
                                  * disc_share(away, texels_of_light(q2, -q2_px, texel_px)) * q2;
-                    over_behind += comes_2;
-                    over_farther += farther(last_px, q2_px) * comes_2;
-                    float visible = min(1.0 - q.a, q2.a) / max(q2.a, 1e-4);
+                    float kept_2 = 1.0 - visible_2 * pixels_part(q2_px);
+                    add(all_behind, 1.0, kept_2, comes_2);
+                    add(farther_only, farther(last_px, q2_px), kept_2, comes_2);
                     float same = 1.0 - nearer(own_px, q2_px) - farther(own_px, q2_px);
-                    vec4 as_own_2 = mix(visible, 1.0, far_before) * same * share * q2;
+                    vec4 as_own_2 = mix(visible_2, 1.0, far_before) * same * share * q2;
                     found += as_own_2;
                     hidden += far_before * nearer(own_px, q2_px) * q2.a;
                     float beside_2 = nearer(radius_behind, q2_px);
                     float same_2 = 1.0 - beside_2 - farther(radius_behind, q2_px);
                     found_both += same_2 * as_own_2.a;
-                    found_behind += mix(visible, 1.0 - hides_lamp, far_beside) * same_2 * share_behind * q2;
+                    found_behind += mix(visible_2, 1.0 - hides_lamp, far_beside) * same_2 * share_behind * q2;
                     hidden_behind += far_beside * (beside_2 + hides_lamp * same_2) * q2.a;
                 }
                 seen -= hidden * share;
@@ -178,10 +193,6 @@ void gather(eye_image light_of, eye_image light_2_of, eye_image radius_of, int l
     own += own_part > 0.0 && seen > 1e-5 ? own_part * found / seen : vec4(0.0);
     own_behind += own_part > 0.0 && seen > 1e-5 ? own_part * found_both / seen : 0.0;
     behind += behind_part > 0.0 && seen_behind > 1e-5 ? behind_part * found_behind / seen_behind : vec4(0.0);
-    all += over / (PI * pixel_aspect);
-    nearer_only += over_nearer / (PI * pixel_aspect);
-    farther_only += over_farther / (PI * pixel_aspect);
-    all_behind += over_behind / (PI * pixel_aspect);
 }
 
 // Part of p that is drawn apart, or goes on beside what is: a straight end takes 3 texels of 9.
@@ -198,27 +209,32 @@ float part_apart() {
 }
 
 // Opacity adds up to 1 at most.
-vec4 limited(vec4 sum) {
-    return sum / max(sum.a, 1.0);
+Over limited(Over sum) {
+    float most = max(sum.opacity, 1.0);
+    return Over(sum.light / most, sum.opacity / most);
 }
 
-vec4 upon(vec4 front, vec4 back) {
-    return front + (1.0 - front.a) * back;
+Over upon(Over front, float part, Over back) {
+    return Over(front.light + part * back.light, front.opacity + part * back.opacity);
+}
+
+Over upon(Over front, Over back) {
+    return upon(front, 1.0 - front.opacity, back);
 }
 
 // What is seen past the front, and not through it.
-vec4 past(vec4 front, vec4 back) {
-    return front + min(1.0, (1.0 - front.a) / max(back.a, 1e-4)) * back;
+Over past(Over front, Over back) {
+    return upon(front, min(1.0, (1.0 - front.opacity) / max(back.opacity, 1e-4)), back);
 }
 
 void main() {
 #define GATHER(level) gather(light[level - 1], light_2[level - 1], radius[level - 1], level);
     EACH_NEAR_LEVEL(GATHER)
-    own /= max(own.a, 1.0);
-    vec4 back = limited(behind);
+    Over surface = limited(Over((1.0 - pixels_part(own_radius)) * own, own.a));
+    Over back = limited(Over((1.0 - visible(p, p_behind) * pixels_part(radius_behind)) * behind, behind.a));
     // Of the surface behind, what is beside p's in the texel may be in both: it counts once.
     float twice = own_behind * min(1.0 - p.a, p_behind.a) / max(p_behind.a, 1e-4);
-    vec4 both = own + max(1.0 - own.a - twice * (1.0 / max(back.a, 1e-4) - 1.0), 0.0) * back;
-    over_all = min(mix(past(limited(all), all_behind), past(upon(limited(nearer_only), both), farther_only), part_apart()),
-                   HALF_MAX);
+    Over both = upon(surface, max(1.0 - surface.opacity - twice * (1.0 / max(back.opacity, 1e-4) - 1.0), 0.0), back);
+    over_all = min(mix(past(limited(all), all_behind).light, past(upon(limited(nearer_only), both), farther_only).light,
+                       part_apart()), HALF_MAX);
 }

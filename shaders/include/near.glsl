@@ -24,6 +24,36 @@ float apart(float radius_px) {
     return clamp((-radius_px - BEHIND_PX) / FADES_PX + 1.0, 0.0, 1.0);
 }
 
+// Small discs are summed over pixels (near_pixels.frag): texels of half the image are as wide, and make stairs of edges.
+const float PIXELS_PX = 4.0;         // of what is blurred more, none are
+const float FROM_PIXELS_PX = 3.4;    // of what is blurred less, all: about as levels share discs (levels.glsl)
+
+// Part of a disc that is.
+float pixels_part(float radius_px) {
+    float part = clamp((PIXELS_PX + radius_px) / (PIXELS_PX - FROM_PIXELS_PX), 0.0, 1.0);
+    return BEHIND_PX < PIXELS_PX ? part : 0.0;
+}
+
+// Of the steps of a radius to both sides, the lesser; 0 where a surface ends at both.
+float lesser(float a, float b) {
+    float found = abs(a) < abs(b) ? a : b;
+    return abs(found) < 0.5 ? found : 0.0;
+}
+
+// Opacity adds up to 1 at most.
+vec4 limited(vec4 sum) {
+    return sum / max(sum.a, 1.0);
+}
+
+vec4 upon(vec4 front, vec4 back) {
+    return front + (1.0 - front.a) * back;
+}
+
+// What is seen past the front, and not through it.
+vec4 past(vec4 front, vec4 back) {
+    return front + min(1.0, (1.0 - front.a) / max(back.a, 1e-4)) * back;
+}
+
 // From which RADIUS on what is behind a surface lies well behind it, and does not go on from it.
 float well_behind_px(float radius_px) {
     return 0.75 * radius_px + 0.5;

@@ -201,6 +201,30 @@ def test_what_lies_close_behind_a_near_surface_goes_on_from_it(ctx):
     np.testing.assert_allclose(found[:, 1], -5.5)
 
 
+def test_small_near_discs_are_of_pixels_and_wide_ones_of_half_the_image(ctx):
+    """From 3.4 to 4 px both have a part; where only wider discs are apart, half the image all."""
+    given = np.zeros((4, 4), "f4")
+    given[:, 0] = [0.0, -3.4, -3.7, -4.0]
+    call = "vec4(pixels_part(x.x))"
+    np.testing.assert_allclose(
+        evaluate(ctx, "near.glsl", call, given)[:, 0], [1, 1, 0.5, 0], atol=1e-5
+    )
+    wide = evaluate(ctx, "near.glsl", call, given, defines=[("BEHIND_PX", 8.0)])
+    np.testing.assert_array_equal(wide, 0)
+
+
+def test_discs_of_one_surface_add_up_and_what_is_behind_fills_the_rest(ctx):
+    given = np.zeros((1, 4), "f4")
+    for call, light in [
+        ("limited(vec4(1.5, 0.0, 0.0, 3.0))", [0.5, 0, 0, 1]),
+        ("upon(vec4(0.6, 0.0, 0.0, 0.6), vec4(0.0, 1.0, 0.0, 1.0))", [0.6, 0.4, 0, 1]),
+        ("past(vec4(0.6, 0.0, 0.0, 0.6), vec4(0.0, 1.0, 0.0, 1.0))", [0.6, 0.4, 0, 1]),
+        ("past(vec4(0.6, 0.0, 0.0, 0.6), vec4(0.0, 0.3, 0.0, 0.3))", [0.6, 0.3, 0, 0.9]),
+        ("vec4(lesser(0.1, -0.3), lesser(0.6, 0.4), lesser(0.6, 0.7), 0.0)", [0.1, 0.4, 0, 0]),
+    ]:
+        np.testing.assert_allclose(evaluate(ctx, "near.glsl", call, given)[0], light, atol=1e-6)
+
+
 def test_nothing_shines_through_a_near_board_behind_a_near_bar(in_three_ways):
     """A board of one colour at 0.75 m (5.3 px) is all that is behind a bar at 0.5 m (9.6 px)."""
     board = at(0.06, 0.0, -0.75, mesh=(3,), scale=np.array([1.0, 2.0, 1.0]))
@@ -250,6 +274,25 @@ def test_no_line_stands_between_two_near_boards_at_like_distances(ctx, samples):
     np.testing.assert_allclose(row, 0.5, atol=0.03)
 
 
+@pytest.mark.parametrize("edge_px", [0, 1])
+@pytest.mark.parametrize(("nearer_px", "farther_px"), [(4.2, 3.2), (3.7, 2.9), (4.5, 2.2), (9, 3)])
+def test_nothing_shines_through_beside_a_board_with_small_discs(
+    ctx, nearer_px, farther_px, edge_px
+):
+    """Whichever of the discs are summed over pixels: two dark boards hide all of a bright wall."""
+    nearer_m, farther_m = (1 / (1 / FOCUS_M + px / 6.4) for px in (nearer_px, farther_px))
+    left_m = edge_px / 64 * nearer_m
+    nodes = [
+        at(left_m + 2.0, 0, -nearer_m, mesh=(0,), scale=np.array([4.0, 4.0, 1.0])),
+        at(0, 0, -farther_m, mesh=(0,), scale=np.array([8.0, 4.0, 1.0])),
+        at(0, 0, -FOCUS_M, mesh=(1,)),
+    ]
+    shine = [glowing((light,) * 3) for light in (0.0, 1.0)]
+    content = scene(nodes, [wall(1, 0), wall(40, 1)], shine)
+    lit = drawn(ctx, content, condition(samples=36), watch=False)[0]["linear"]
+    np.testing.assert_allclose(lit, 0, atol=0.01)
+
+
 def test_no_second_outline_stands_inside_a_blurred_bar(in_three_ways):
     """The contrast of rows behind it goes on as through a lens where the bar itself begins."""
     ours, alone, true = (
@@ -258,6 +301,32 @@ def test_no_second_outline_stands_inside_a_blurred_bar(in_three_ways):
     )
     assert ours < 1.5 * true
     assert alone > 2.0 * true
+
+
+def part_beyond(away, radius_px):
+    """Return the part of discs (unit: their area) that lies beyond a straight line so far away."""
+    at = np.clip(away / radius_px, -1, 1)
+    return (np.arccos(at) - at * np.sqrt(1 - at**2)) / np.pi
+
+
+@pytest.mark.parametrize("samples", [16, 36, 96])
+@pytest.mark.parametrize("edge_px", [4, 5])
+@pytest.mark.parametrize("radius_px", [2.2, 2.8, 3.4])
+def test_a_level_edge_with_small_discs_is_as_soft_wherever_it_lies(
+    ctx, radius_px, edge_px, samples
+):
+    """Between two texels of half the image, or in the middle of one."""
+    near_m = 1 / (1 / FOCUS_M + radius_px / 6.4)
+    lowest_m = edge_px / 64 * near_m
+    board = at(0, lowest_m + 1.0, -near_m, mesh=(0,), scale=np.array([8.0, 2.0, 1.0]))
+    content = scene(
+        [board, at(0, 0, -FOCUS_M, mesh=(1,))],
+        [wall(1, 0), wall(40, 1)],
+        [glowing((light,) * 3) for light in (1.0, 0.0)],
+    )
+    lit = drawn(ctx, content, condition(samples=samples), watch=False)[0]["linear"][:, 64, 0]
+    away = 32 + edge_px - (np.arange(SIZE_PX[1]) + 0.5)
+    np.testing.assert_allclose(lit, part_beyond(away, radius_px), atol=0.02)
 
 
 @pytest.mark.parametrize("edge", [floor_edge, wall_edge], ids=["floor", "steep wall"])

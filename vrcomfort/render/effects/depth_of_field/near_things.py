@@ -35,6 +35,9 @@ from vrcomfort.render.scene_pass import ScenePass
 BEHIND_PX = shaders.constant("near.glsl", "BEHIND_PX")
 """Without wider discs nothing is drawn apart, unless `Looked` says otherwise."""
 
+PIXELS_PX = shaders.constant("near.glsl", "PIXELS_PX")
+"""What is near and blurred less is summed over pixels."""
+
 SILHOUETTE = 3.0
 """Farther from a silhouette, in radii of its disc, a near thing is not drawn apart."""
 
@@ -147,6 +150,10 @@ class NearThings:
         """The image of the kernel, RGBA16F; free until it draws."""
         scene.prepare_behind(nearest, blurred, behind_depth)
         self._layers = self._layer_passes(blurred, behind_depth)
+        self._pixels = (
+            None if looked.behind_px >= PIXELS_PX else self._pixels_pass(blurred, behind_depth)
+        )
+        pixels: Inputs = {} if self._pixels is None else {"near_pixels": self._pixels.target}
         self._take = coc.depth_to_coc.make_pass(
             "depth_of_field/colour_and_coc.frag",
             size_px=coc.size_px,
@@ -170,23 +177,32 @@ class NearThings:
             self._uncut = gl.framebuffer(ctx, [tiles])
             self._clear_cut = passes.clear([tiles])
             finest = self._layers[0].targets
-            read = {"near": self._gather.target, "near_light": finest[0], "near_radius": finest[2]}
+            read = {
+                "near": self._gather.target,
+                **pixels,
+                "near_light": finest[0],
+                "near_radius": finest[2],
+            }
             self.cut = CutLamps(tiles, read, self._if_any)
         self._over = coc.make_pass(
             "near_over",
-            {"near": self._gather.target, "dilated": self._classes, **self._of_eye},
-            defines={**of_class("NEAR", coc.tile_px, beside=0), **self._near()},
+            {"near": self._gather.target, **pixels, "dilated": self._classes, **self._of_eye},
+            defines={
+                **({"WITH_PIXELS": 1} if pixels else {}),
+                **of_class("NEAR", coc.tile_px, beside=0),
+                **self._near(),
+            },
             target=blurred,
             blend=OVER,
             # What is blurred knows what is behind as far as its own discs and tiles come.
-            reach_px={"near": 2.0, "dilated": coc.disc_px + 4.0 * coc.tile_px},
+            reach_px={"near": 2.0, "near_pixels": 0.0, "dilated": coc.disc_px + 4.0 * coc.tile_px},
             **on_tiles(self._classes),
         )
 
     def draw_behind(self, pixel_aspect: PixelAspect) -> None:
         """Draw what is behind the near things of the last eyes, whose radii are known."""
         self._looked.look(partial(self._classify, pixel_aspect))
-        self._if_any.run(self._draw_next)
+        self._if_any.run(self._draw_next, pixel_aspect)
         self._if_more.run(self._draw_last)
         self._if_any.run(self._find_again)
         if self.cut is not None:
@@ -199,10 +215,11 @@ class NearThings:
 
     def warm_up(self) -> None:
         """Draw once what frames without near things skip."""
-        self._draw_next()
+        square = of_each([1.0] * self._coc.eyes)
+        self._draw_next(square)
         self._draw_last()
         self._find_again()
-        self._draw_near(of_each([1.0] * self._coc.eyes))
+        self._draw_near(square)
         self._over.render()
 
     def _classify(self, pixel_aspect: PixelAspect) -> None:
@@ -232,13 +249,17 @@ class NearThings:
         classes = np.frombuffer(self._classes.read(), np.float16)[3::4]
         return np.equal(classes.reshape(-1, rows, columns), _BEHIND)
 
-    def _draw_next(self) -> None:
+    def _draw_next(self, pixel_aspect: PixelAspect) -> None:
+        if self._most is not None:
+            self._most.render()
         self._limit.render()
         self._close.run(self._closed.clear, depth=1.0)
         self._open_next.render()
         self._scene.draw_behind()
         for each in self._layers:
             each.render()
+        if self._pixels is not None:
+            self._pixels.render(pixel_aspect_of_eye=pixel_aspect)
         self._take.render()
         self._close.run(self._closed.clear, depth=1.0)
         self._if_more.ask(self._open_last.render)
@@ -248,8 +269,6 @@ class NearThings:
         self._take.render()
 
     def _draw_near(self, pixel_aspect: PixelAspect) -> None:
-        if self._most is not None:
-            self._most.render()
         self._gather.render(pixel_aspect_of_eye=pixel_aspect)
         if self.cut is not None:
             self._lamps.render()
@@ -389,6 +408,30 @@ class NearThings:
     def _near(self) -> dict[str, Any]:
         """Return the defines of tiles that near discs come to, in eyes with anything behind."""
         return {"UP_TO": "BEHIND", **({"IF_ANY": "BEHIND"} if self._of_eye else {})}
+
+    def _pixels_pass(self, next_colour: AnyTexture, next_depth: AnyTexture) -> FullscreenPass:
+        coc = self._coc
+        return coc.make_pass(
+            "near_pixels",
+            {
+                "colour_and_coc": coc.colour_and_coc,
+                "next": next_colour,
+                "next_depth": next_depth,
+                "dilated": self._classes,
+            },
+            defines={
+                **coc.coverage,
+                **of_class("NEAR", coc.tile_px, beside=0),
+                **self._near(),
+            },
+            reach_px={
+                "colour_and_coc": PIXELS_PX + 1.0,
+                "next": DRAWN,
+                "next_depth": DRAWN,
+                "dilated": 0.0,
+            },
+            **on_tiles(self._classes),
+        )
 
     def _gather_pass(self) -> FullscreenPass:
         coc = self._coc
