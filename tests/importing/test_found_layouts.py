@@ -192,6 +192,18 @@ def test_one_file_that_is_refused_with_other_columns_leaves_them_in_the_others(
     assert answers(imported, "depth")["P02", "b", "post"] == 4.25
 
 
+def test_rows_that_a_column_calls_first_are_baselines_wherever_they_stand(tmp_path: Path) -> None:
+    head = ["ID", "is_first_response", "type", *ENGLISH]
+    rows = [
+        [p, flag, kind, *[(n + k) % 4 for k in range(16)]]
+        for n, p in enumerate(PEOPLE)
+        for flag, kind in (("No", "DLC"), ("No", "MLC"), ("Yes", ""))
+    ]
+    imported = imported_from(write(tmp_path / "x.csv", [head, *rows]))
+    said = {(m.condition, m.timepoint) for _, m in imported.responses}
+    assert said == {("DLC", "post"), ("MLC", "post"), ("", "baseline")}
+
+
 def test_names_in_sheets_are_people_where_statistics_stand_in_other_sheets(tmp_path: Path) -> None:
     names = ("cx", "cyl", "dyh", "fjy", "lhz")
     files = [
@@ -247,6 +259,38 @@ def test_a_third_row_of_headings_and_recoded_answers_beside_are_no_answers(tmp_p
     assert any("row 3 say the headings in other words" in doubt for doubt in found.doubts)
 
 
+def test_columns_that_hold_the_same_films_in_other_orders_say_the_condition(tmp_path: Path) -> None:
+    films = ["461", "779", "880"]
+    head = ["ID", *(h for n in (1, 2, 3) for h in (f"film{n}", f"{n}_end_time", f"{n}_liking"))]
+    rows = [
+        [p, *(v for k in range(3) for v in (films[(n + k) % 3], 20.5 + n + k, 1 + (n + 2 * k) % 5))]
+        for n, p in enumerate(PEOPLE)
+    ]
+    imported = imported_from(write(tmp_path / "x.csv", [head, *rows]))
+    assert {*imported.conditions} == {*films}
+    assert answers(imported, "liking")["P02", "880", "post"] == 1 + (1 + 2) % 5
+
+
+def test_things_ranked_in_words_are_conditions_and_the_order_of_the_words_is_asked(
+    tmp_path: Path,
+) -> None:
+    said = [("Least easy", "In between", "Most easy"), ("Least fun", "In between", "The funniest")]
+    things = ("Wand", "Gaze", "Voice")
+    asked = ("Rank them by ease", "Rank them by fun")
+    head = ["ID", *(f"{text} [{thing}]" for text in asked for thing in things)]
+    rows = [
+        [p, *(words[(n * (k + 1) + t) % 3] for k, words in enumerate(said) for t in range(3))]
+        for n, p in enumerate(PEOPLE)
+    ]
+    found = suggest_mapping([write(tmp_path / "ranks.csv", [head, *rows])])
+    assert found.imported is not None
+    assert {*found.imported.conditions} == {*things}
+    order = "'Least fun' < 'In between' < 'The funniest'"
+    assert any("order do these ranks stand" in each and order in each for each in found.doubts)
+    ranks = answers(found.imported, "rank_them_by_fun")
+    assert [ranks[PEOPLE[0], thing, "post"] for thing in things] == [1, 2, 3]
+
+
 def test_numbered_words_that_no_scale_knows_are_no_symptoms(tmp_path: Path) -> None:
     head = ["ID", *(f"{n}_liking" for n in range(1, 17)), "How realistic was it?"]
     rows = [[p, *["aime", "aime_pas"] * 8, 1 + n % 5] for n, p in enumerate(PEOPLE)]
@@ -272,6 +316,24 @@ def test_yes_and_no_to_what_one_felt_are_answers_of_each_file(tmp_path: Path) ->
     assert {*imported.conditions} == {"sound", "visual"}
     felt = answers(imported, "i_felt_safe_with_the_visual_feedback")
     assert felt == {(str(n), "visual", "post"): int((n + 1) % 3 > 0) for n in range(1, 9)}
+
+
+def test_runs_of_headings_under_the_names_of_conditions_stand_above_their_means(
+    tmp_path: Path,
+) -> None:
+    values = {"Rift": [1, 4, 5, 2, 2, 3], "Wall": [3, 3, 1, 4, 5, 5]}
+    head = ["Display", "Realism", "Ease"]
+    rows: list[list[object]] = [
+        [c for name, given in values.items() for c in (name if n < 5 else "", given[n], 1 + n % 5)]
+        for n in range(6)
+    ]
+    means = [sum(given) / 6 for given in values.values()]
+    below = ["", means[0], 2.66666667, "", means[1], 2.66666667]
+    spread = ["", 1.47, 1.5, "", 1.51, 1.5]
+    file = write(tmp_path / "x.csv", [head * 2, *rows, below, spread])
+    imported = imported_from(file)
+    found = answers(imported, "realism")
+    assert {c: [v for (_, d, _), v in found.items() if d == c] for c in values} == values
 
 
 def test_the_doubt_about_rows_of_means_says_how_to_read_them(tmp_path: Path) -> None:

@@ -53,6 +53,19 @@ def test_an_identifier_is_no_item_by_its_position(heading: str, tmp_path: Path) 
     assert f'mental_demand = "{heading}"' not in found.text
 
 
+def test_ragged_ratings_without_headings_are_those_that_the_file_names(tmp_path: Path) -> None:
+    rows = [[n, *((n + place) % 9 for place in range(8 + n % 4))] for n in range(12)]
+    file = tmp_path / "FMS.csv"
+    file.write_text("\n".join(",".join(map(str, row)) for row in rows) + "\n")
+    imported, text = suggested_import([file], tmp_path)
+    given: dict[str, list[float]] = {}
+    for each in imported.ratings:
+        if each.response is not None:
+            given.setdefault(each.administration.participant, []).append(each.response)
+    assert given == {str(who): ratings for who, *ratings in rows}
+    assert "though the file says no times" in text
+
+
 def test_a_question_that_repeats_the_moment_leaves_the_condition_to_its_column(
     tmp_path: Path,
 ) -> None:

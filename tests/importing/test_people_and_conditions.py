@@ -515,6 +515,14 @@ def test_a_code_that_people_are_asked_for_tells_them_apart(tmp_path: Path) -> No
     assert [*found.participants] == [f"K{n}Q" for n in range(12)]
 
 
+def test_what_people_ranked_is_not_the_condition_of_numbered_questions(tmp_path: Path) -> None:
+    rows: list[Row] = [["ID", "Q1", "Q2", "Q3", "Rank1", "Rank2", "Rank3"]]
+    orders = [*permutations(["teleport", "walk", "fly"])]
+    rows += [[n, 1 + n % 7, 1 + n * 3 % 7, 1 + n * 5 % 7, *orders[n * n % 5]] for n in range(20)]
+    found = suggest_mapping([write(tmp_path / "answers.csv", rows)])
+    assert "beside" not in found.text
+
+
 def test_a_statement_about_what_was_shown_is_no_experience_of_people(tmp_path: Path) -> None:
     heads = ["Participant", "I found it engaging", "It was a creative experience"]
     rows = [heads, *([f"P{n}", n % 5, n * 3 % 5] for n in range(40))]

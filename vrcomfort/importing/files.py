@@ -140,13 +140,21 @@ def repeated_runs(headings: Sequence[str]) -> list[int]:
 def _stacked(
     headings: Sequence[str], data: Sequence[tuple[int, Sequence[str]]], grid: Grid
 ) -> tuple[list[str], list[tuple[int, Sequence[str]]]]:
-    """Put what stands below each run of the same headings below what is left of it."""
+    """Put what stands below each run of the same headings below what is left of it.
+
+    The only word in the first column of a run names its other rows as well.
+    """
     starts = repeated_runs(headings)
     if len(starts) < 2:
         raise _fault(grid, "`stack` is for headings that repeat in the row, and these do not")
     width = starts[1]
-    rows = [(n, row[start : start + width]) for start in starts for n, row in data]
-    return [*headings[:width]], [(n, row) for n, row in rows if any(row)]
+    rows: list[tuple[int, Sequence[str]]] = []
+    for start in starts:
+        run = [(n, row[start : start + width]) for n, row in data]
+        run = [(n, row) for n, row in run if any(row)]
+        names = {row[0] for _, row in run} - {""}
+        rows += [(n, (*names, *row[1:])) for n, row in run] if len(names) == 1 else run
+    return [*headings[:width]], rows
 
 
 _MARKS = frozenset(["x", "✓", "✔", "✗", "•", "*"])

@@ -10,7 +10,14 @@ from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
-from vrcomfort.importing.files import as_table, marked_runs, numbers_in, read_grids, repeated_runs
+from vrcomfort.importing.files import (
+    as_table,
+    is_number,
+    marked_runs,
+    numbers_in,
+    read_grids,
+    repeated_runs,
+)
 from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.sections import sections
@@ -330,9 +337,18 @@ def _table(grid: Grid, known: Known) -> SourceTable:
         reading = table.reading._replace(skip_rows=(*table.reading.skip_rows, *below))
         table = as_table(replace(grid, reading=reading))
     starts = repeated_runs(bare)
-    if len(starts) > 1 and names_fact(bare[0], "participant", known.vocabulary):
+    if len(starts) > 1 and (
+        names_fact(bare[0], "participant", known.vocabulary) or _name_runs(table, starts)
+    ):
         return as_table(replace(grid, reading=reading._replace(stack=True)))
     return table
+
+
+def _name_runs(table: SourceTable, starts: Sequence[int]) -> bool:
+    """Return whether the first column of each run of headings has one word, another for each."""
+    said = [{*table.column(start)} - {""} for start in starts]
+    words = {text for each in said for text in each if not is_number(text)}
+    return len(words) == len(said) and all(len(each) == 1 for each in said)
 
 
 def _lists_of_answers(table: SourceTable, known: Known) -> tuple[str, ...]:

@@ -35,7 +35,10 @@ _COUNTED: tuple[Counted, ...] = ("trial", "session", "period")
 
 
 def numbered_conditions(table: SourceTable, vocabulary: LabVocabulary) -> dict[int, int]:
-    """Return number → column of ``Condition_1``, ``Condition_2`` …; nothing where there is one."""
+    """Return number → column of ``Condition_1``, ``Condition_2`` …; nothing where there is one.
+
+    Columns with another name are these if each row has the same texts, in another order.
+    """
     said = vocabulary.fact_words.get("condition", frozenset())
     found: dict[int, int] = {}
     for column, heading in enumerate(table.headings):
@@ -43,7 +46,31 @@ def numbered_conditions(table: SourceTable, vocabulary: LabVocabulary) -> dict[i
         named = len(words) == 2 and words[1].isdecimal() and words[0] in said
         if named and 0 < len(texts(table, column)) <= MOST_CONDITIONS:
             found.setdefault(int(words[1]), column)
-    return found if len(found) > 1 else {}
+    return found if len(found) > 1 else _permuted(table, vocabulary)
+
+
+def _permuted(table: SourceTable, vocabulary: LabVocabulary) -> dict[int, int]:
+    """Return number → column of ``film1`` …, if rows have the same films in other orders.
+
+    What people rank first is not what they saw first: ``Rank 1`` is no condition.
+    """
+    series: dict[tuple[str, ...], dict[int, int]] = defaultdict(dict)
+    numbers: Counter[int] = Counter()
+    for column, words in enumerate(map(tokens, table.headings)):
+        numbers.update({*numbers_in_words(words)})
+        if (place := number_in_words(words)) is not None:
+            rest = tuple(word for word in words if not word.isdecimal())
+            series[rest].setdefault(place, column)
+    for found in (own for words, own in series.items() if not {*words} & vocabulary.asking_others):
+        rows = [tuple(row[c] for c in found.values()) for row in table.rows]
+        orders = Counter(row for row in rows if all(row))
+        sets = Counter(frozenset(row) for row in orders.elements())
+        same, often = sets.most_common(1)[0] if len(orders) > 1 else (frozenset(), 0)
+        ranks = {*map(str, range(1, len(found) + 1))}
+        beside = all(numbers[n] > 1 for n in found) and len(same) == len(found) > 2
+        if beside and often >= _NEARLY_ALL * len(rows) and same != ranks:
+            return found
+    return {}
 
 
 def without_levels(

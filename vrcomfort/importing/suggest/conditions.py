@@ -34,6 +34,7 @@ from vrcomfort.importing.suggest.evidence import (
 )
 from vrcomfort.importing.suggest.fact_draft import FactDraft
 from vrcomfort.importing.suggest.shared_codes import are_met_again
+from vrcomfort.importing.suggest.vocabulary import tokens
 from vrcomfort.questionnaire import plain
 from vrcomfort.settings import toml_value
 
@@ -45,6 +46,7 @@ _MOST_CELLS = 60
 FEW_IN = 10
 """Of so many people, one with several rows may be two who share a code."""
 _WORDS = (BALANCED_WORDS, WORDS_WITHIN_PEOPLE)
+_FIRST = frozenset(["first", "initial", "erste"])
 LONG_WORD, NEAR, RARER = 6, 0.85, 2
 """Letters in which a misspelling shows, how alike the two words are, and how much rarer one is."""
 
@@ -347,13 +349,23 @@ class Conditions(FactDraft):
             if not (cells.get(row[who]) and cells[row[who]][-1] == row[column[0]]):
                 cells.setdefault(row[who], []).append(row[column[0]])
         first = [row[:1] == [""] and any(row[1:]) and "" not in row[1:] for row in cells.values()]
-        if not first or sum(first) * 10 < len(first) * 9:
+        come_first = bool(first) and sum(first) * 10 >= len(first) * 9
+        if not come_first and not self._is_flagged(column[0]):
             return
         words = texts(self._table, column[0])
         values = {"": "baseline", **dict.fromkeys(words, "post")}
         self.found.draft.put("timepoint", {"column": self.heading(column[0]), "values": values})
         question = f"Are the first answers of each person, without {self.heading(column[0])!r}, "
         self.doubt(f"{question}from before exposure?", "they are baselines", TIMEPOINTS)
+
+    def _is_flagged(self, condition: int) -> bool:
+        """Return whether a column tells rows without a condition from others, and says first."""
+        for column, heading in enumerate(self._table.headings):
+            said = {(not row[condition], row[column]) for row in self._table.rows}
+            first = _FIRST & {*tokens(heading)} or self._vocabulary.timepoint(heading) == "baseline"
+            if first and sorted(blank for blank, _ in said) == [False, True]:
+                return len({text for _, text in said}) == len(said)
+        return False
 
     def _repetitions(self) -> None:
         """Draft a count of exposures where a participant has a condition at a timepoint twice."""

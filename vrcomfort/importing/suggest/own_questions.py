@@ -30,6 +30,7 @@ from vrcomfort.importing.suggest.cells import is_numeric, texts, varies_within
 from vrcomfort.importing.suggest.codebooks import BESIDE, TITLE
 from vrcomfort.importing.suggest.computed_columns import computed_columns
 from vrcomfort.importing.suggest.crossed_words import crossed, differing
+from vrcomfort.importing.suggest.draft import DIRECTION, OpenDoubt
 from vrcomfort.importing.suggest.evidence import asks_name
 from vrcomfort.importing.suggest.found_answers import Context, Found
 from vrcomfort.importing.suggest.heading_roles import Roles, roles_of
@@ -47,7 +48,13 @@ from vrcomfort.importing.suggest.own_instruments import (
 from vrcomfort.importing.suggest.questionnaires import Drafted
 from vrcomfort.importing.suggest.ratings import FoundCourse, FoundRating, rises, time_column
 from vrcomfort.importing.suggest.stems import Stem, shared_stems
-from vrcomfort.importing.suggest.vocabulary import FEWEST_OF_SENTENCE, Known, tokens, words_of
+from vrcomfort.importing.suggest.vocabulary import (
+    FEWEST_OF_SENTENCE,
+    Known,
+    LabVocabulary,
+    tokens,
+    words_of,
+)
 from vrcomfort.importing.toml_draft import TomlDraft
 from vrcomfort.questionnaire import plain, shipped_instruments
 from vrcomfort.questionnaire.instrument_file import TAKEN
@@ -123,6 +130,8 @@ class OwnQuestions:
         }
 
         self._scales |= {c: each.scale for c, each in self._left.items() if not each.measured}
+        self._ranked = ranks_in_words(table, columns, known.vocabulary)
+        self._scales |= {c: AnswerRange(1, len(words)) for c, words in self._ranked.items()}
         self.conditions = self._codes_of_conditions()
         """Words that tell the same questions apart, as conditions: ``PnP_1``, ``HMD_1``."""
         self._apart |= {word for code in self.conditions for word in code}
@@ -319,10 +328,7 @@ class OwnQuestions:
     @cached_property
     def _in_grids(self) -> set[int]:
         """Return statements in brackets behind the same text: a grid of questions."""
-        grids: dict[str, list[int]] = defaultdict(list)
-        for column, heading in ((c, self._table.headings[c]) for c in self._scales):
-            if match := _BRACKET.search(heading):
-                grids[heading[: match.start()].strip()].append(column)
+        grids = _grids(self._table, self._scales)
         return {c for stem, grid in grids.items() if stem and len(grid) > 1 for c in grid}
 
     def _is_agreement(self, column: int) -> bool:
@@ -528,7 +534,7 @@ class OwnQuestions:
         said = said or any(self._vocabulary.told(h) == "condition" for h in self._table.headings)
         told = [] if said else [q for q in questions if q.column in self._roles.outcomes]
         # the lab says what others ask
-        free = [each for each in questions if each not in told]
+        free = [self._of_ranked(each) for each in questions if each not in told]
         found = questions if said else [*crossed(free, self._vocabulary), *told]
         groups: dict[Context, list[int]] = defaultdict(list)
         for each in found:
@@ -538,6 +544,14 @@ class OwnQuestions:
         known = {each.context for each in questions}
         self.conditions += [context for context in groups if context not in known]
         return found
+
+    def _of_ranked(self, question: OwnQuestion) -> OwnQuestion:
+        """Return what things were ranked by; the thing in brackets is a condition."""
+        parts = self._parts(question.column)
+        if question.column not in self._ranked or parts is None:
+            return question
+        context, scale = tuple(tokens(parts[0])), self._scales[question.column]
+        return replace(question, text=parts[1].strip(), context=context, code="", said=scale)
 
 
 def _glued(headings: Sequence[str], contexts: Sequence[Context]) -> dict[int, list[str]]:
@@ -554,6 +568,34 @@ def _glued(headings: Sequence[str], contexts: Sequence[Context]) -> dict[int, li
             met = {w for w in words if f"{stem}{w}{rest}".casefold() in there}
             if end not in tokens(heading) and all(met & {*each} for each in contexts):
                 found[column] = [end.casefold(), *(words_of(rest) or words_of(stem))]
+    return found
+
+
+def _grids(table: SourceTable, columns: Iterable[int]) -> dict[str, list[int]]:
+    """Return text → the columns with a statement in brackets behind it."""
+    found: dict[str, list[int]] = defaultdict(list)
+    for column in columns:
+        if match := _BRACKET.search(table.headings[column]):
+            found[table.headings[column][: match.start()].strip()].append(column)
+    return found
+
+
+def ranks_in_words(
+    table: SourceTable, columns: Iterable[int], vocabulary: LabVocabulary
+) -> dict[int, tuple[str, ...]]:
+    """Return columns of a grid of as many words, no two alike in a row → these, in their order.
+
+    A word without a degree (``the nicest``) stands behind the others.
+    """
+    found: dict[int, tuple[str, ...]] = {}
+    for grid in _grids(table, columns).values():
+        words = [*dict.fromkeys(text for c in grid for text in texts(table, c))]
+        rows = [{row[c] for c in grid} for row in table.rows if all(row[c] for c in grid)]
+        each = len(rows) >= FEWEST_ANSWERS and all(len(row) == len(grid) for row in rows)
+        if each and len(words) == len(grid) > 2 and not any(number(w, ".") for w in words):
+            degrees = [9 if (d := vocabulary.degree(text)) is None else d for text in words]
+            order = [text for _, text in sorted(zip(degrees, words, strict=True))]
+            found |= dict.fromkeys(grid, tuple(order))
     return found
 
 
@@ -575,6 +617,9 @@ def draft_own(
     flags: dict[str, float | None] = {}
     for column in found.columns:
         flags |= yes_or_no(texts(table, column), known.vocabulary)
+    ranks = ranks_in_words(table, range(len(table.headings)), known.vocabulary)
+    orders = [*dict.fromkeys(ranks[c] for c in found.columns if c in ranks)]
+    flags |= {text: float(n) for order in orders for n, text in enumerate(order, 1)}
     put_coding(draft, found.instrument, cells, table.decimal, known.vocabulary, flags)
     headings = {item: table.headings[named.column] for item, named in found.items.items()}
     draft.tables["items"] = TomlDraft(dict(headings))
@@ -584,6 +629,9 @@ def draft_own(
     said = missing if isinstance(missing, list) else []
     remarks = [t for t in said if (v := number(t, ".")) is None or abs(v) < _FEWEST_FAR]
     remarks = [text for text in remarks if not is_missing(text, known.vocabulary)]
+    if orders:
+        shown = "; ".join(" < ".join(map(repr, order)) for order in orders)
+        asked.append(OpenDoubt("In what order do these ranks stand?", shown, DIRECTION))
     return draft, [*asked, *ask_of_left(found, headings, remarks)]
 
 

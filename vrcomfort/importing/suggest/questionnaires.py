@@ -406,8 +406,10 @@ def draft_course(
     question = (
         f"Are {headings[0]} … {headings[-1]} ratings during exposure, {what} after its start?"
     )
-    asked = OpenDoubt(question, f"they are, {what}", ORDER, "rating courses")
-    return draft, [*coding.doubts, asked]
+    assumed, stake = f"they are, {what}", ORDER
+    if not table.reading.heading_rows:
+        assumed, stake = f"they are, {what}, though the file says no times", TIMES
+    return draft, [*coding.doubts, OpenDoubt(question, assumed, stake, "rating courses")]
 
 
 def _others_of(heading: str, table: SourceTable, columns: Sequence[int]) -> list[str]:

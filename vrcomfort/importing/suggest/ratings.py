@@ -93,7 +93,7 @@ def _ratings(table: SourceTable, columns: Sequence[int], known: Known) -> list[F
     totals = {c for each in find_scores(table, columns, known) for c in each.columns}
     time = time_column(table, [c for c in columns if c not in totals], known)
     if not table.reading.heading_rows:
-        return _beside_their_time(table, columns, time, known)
+        return _beside_their_time(table, columns, time, known) or _in_columns(table, columns, known)
     found = []
     for instrument in known.instruments:
         if len(instrument.asked) == 1:
@@ -217,6 +217,16 @@ def _beside_their_time(
     (scale,), (column,) = scales, others
     inside = all(map(scale.answers.has, values_of(table, column)))
     return [FoundRating(scale, (), column, time)] if inside else []
+
+
+def _in_columns(table: SourceTable, columns: Sequence[int], known: Known) -> list[FoundRating]:
+    """Return ratings in the order asked, without headings, behind the column of the people."""
+    first = next(iter(columns), None)
+    if first is None or not is_identifier(table, first, known.vocabulary):
+        return []
+    rest = [c for c in columns if c != first and any(table.column(c))]
+    found = _numbered_columns(table, rest, known)
+    return found if len(found) == len(rest) else []
 
 
 def _words_of_rating(heading: str, instrument: Instrument) -> list[str]:
