@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -244,7 +245,18 @@ def test_no_leaving_time_is_the_length_of_an_exposure_that_nobody_left(tmp_path:
     ends = {t["participant"]: (t["end_s"], t["status"]) for t in trials}
     assert ends["P2"] == ("728.0", "withdrawn")
     assert ends["P0"] == ends["P8"] == ("", "completed")
-    assert not times_to_withdrawal(rated_exposures(read_study(study), ""))
+    exposures = rated_exposures(read_study(study), "")
+    assert not times_to_withdrawal(exposures)
+    one_known = [replace(e, ended_s=900.0) if e.participant == "P0" else e for e in exposures]
+    assert not times_to_withdrawal(one_known), "others would be at risk for 0 s"
+
+
+def test_leaving_times_of_zero_are_no_length(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["ID", "Condition", "left_at_s", *ITEMS]]
+    rows += [[f"P{n}", "ab"[n % 2], 0, *ANSWERS] for n in range(12)]
+    suggested = suggest_mapping([write(tmp_path / "a.csv", rows)])
+    assert not re.search(r"planned_s = \d", suggested.text)
+    assert any("How long was an exposure" in doubt for doubt in suggested.doubts)
 
 
 def test_leaving_times_of_several_conditions_stand_side_by_side(tmp_path: Path) -> None:

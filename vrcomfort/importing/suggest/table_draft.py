@@ -64,7 +64,7 @@ from vrcomfort.settings import toml_value
 _SHOWN = 8
 """Columns that a doubt lists."""
 _FEWEST_STAYED = 3
-"""People with the longest time, half of all: it is the length of the exposure. One has left."""
+"""Cells with the longest time, at least half of all times: it is the length of the exposure."""
 _AGAIN = re.compile(r" ?\(\d\)$")
 """The mark of a person's second questionnaire."""
 _COMPUTED = "an exact sum, or the reverse, of columns before"
@@ -230,9 +230,10 @@ class TableDraft(SaidByHeadings):
         said: dict[str, object] = {"heading": heading, "unit": unit}
         question = f"How long was an exposure that nobody left, of which {heading!r} says nothing?"
         assumed = "of unknown length: who has a time has left, who has none has stayed to the end"
-        whole = times.count(max(times, default=0.0))
-        if not stayed and whole >= _FEWEST_STAYED and 2 * whole >= len(times):
-            said["planned_s"] = max(times) * (60 if unit == "min" else 1)
+        longest = max(times, default=0.0)
+        most = times.count(longest) >= max(_FEWEST_STAYED, len(times) / 2)
+        if not stayed and longest > 0 and most:
+            said["planned_s"] = longest * (60 if unit == "min" else 1)
             question = f"Was an exposure that nobody left {said['planned_s']:g} s long?"
             assumed = "it was: who has this time, or none, stayed to the end"
         self.draft.put("left_at", {**said, "missing": list(stayed)} if stayed else said)

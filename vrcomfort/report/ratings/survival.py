@@ -159,11 +159,11 @@ def times_to_threshold(
 def times_to_withdrawal(exposures: Iterable[RatedExposure]) -> list[TimeToEvent]:
     """Return the time to withdrawal, or to the stop rule, of the exposures of trials.csv.
 
-    There is none where an import does not say how long exposures were that nobody left.
+    There is none where an import does not say how long each exposure was that nobody left: as left
+    at once, it would count as none at risk.
     """
     known = [e for e in exposures if e.ending != UNKNOWN]
-    stayed = [e for e in known if not e.left]
-    if stayed and not any(e.ended_s for e in stayed):
+    if not all(e.ended_s for e in known if not e.left):
         return []
     return [TimeToEvent(e.participant, e.condition, e.position, e.ended_s, e.left) for e in known]
 
