@@ -46,7 +46,7 @@ void read(int i, ivec2 at) {
     float less = z < 1.0 ? (1.0 - coverage_of(pixel.a)) * (1.0 - lamp_part(vec4(beside, 0.0))) : 0.0;
     lights[2 * i] = part.x * vec4(max(pixel.rgb - less * beside, 0.0), 1.0 - less);
     radii[2 * i] = part.x * (1.0 - less) * pixel.a;
-    lights[2 * i + 1] = part.y > 0.0 ? part.y * vec4(finite(texel_of(next, at).rgb), 1.0) : vec4(0.0);
+    lights[2 * i + 1] = part.y * vec4(beside, 1.0);
     radii[2 * i + 1] = part.y * behind;
 #else
     lights[2 * i] = texel_of(light[0], at);

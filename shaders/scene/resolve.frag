@@ -34,7 +34,7 @@ uniform sampler2DMS colors;
 uniform sampler2DMS depths;
 layout(location = 0) out vec4 color;
 #ifdef WITH_COVERAGE
-// How much farther, in radius, what is seen beside a pixel's surface is no part of it, as in complex.frag.
+// How much farther, in radius, what is seen beside a pixel's surface is no part of it.
 const float END_PX = 0.5, END_PART = 0.4;
 #endif
 #ifdef VELOCITY

@@ -216,13 +216,19 @@ def leaving_times(folder: Path) -> Path:
     return write(folder / "lab.csv", rows)
 
 
-def test_leaving_times_become_ends_of_exposures_in_the_report(tmp_path: Path) -> None:
-    file, mapping, study = leaving_times(tmp_path), tmp_path / "map.toml", tmp_path / "study"
-    suggested = suggest_mapping([file])
-    assert any("600 s long" in doubt for doubt in suggested.doubts)
-    mapping.write_text(suggested.text.replace('answer = ""', 'answer = "yes"'), encoding="utf-8")
+def write_as_suggested(study: Path, file: Path, draft: str) -> None:
+    """Import a file with the draft's doubts answered yes."""
+    mapping = file.parent / "map.toml"
+    mapping.write_text(draft.replace('answer = ""', 'answer = "yes"'), encoding="utf-8")
     loaded = load_mapping(mapping)
     write_study(study, import_files([file], loaded.mapping), loaded, [file])
+
+
+def test_leaving_times_become_ends_of_exposures_in_the_report(tmp_path: Path) -> None:
+    file, study = leaving_times(tmp_path), tmp_path / "study"
+    suggested = suggest_mapping([file])
+    assert any("600 s long" in doubt for doubt in suggested.doubts)
+    write_as_suggested(study, file, suggested.text)
     trials = read_study(study).trials
     ends = {(t["participant"], t["condition"]): (float(t["end_s"]), t["status"]) for t in trials}
     assert ends["P3", "blur"] == (300.5, "withdrawn")
@@ -234,13 +240,10 @@ def test_no_leaving_time_is_the_length_of_an_exposure_that_nobody_left(tmp_path:
     rows: list[list[object]] = [["ID", "Condition", "left_at_s", *ITEMS]]
     gone = {2: 728, 4: 83.5, 5: 270}
     rows += [[f"P{n}", "ab"[n % 2], gone.get(n, ""), *ANSWERS] for n in range(9)]
-    file, mapping = write(tmp_path / "a.csv", rows), tmp_path / "map.toml"
-    study = tmp_path / "study"
+    file, study = write(tmp_path / "a.csv", rows), tmp_path / "study"
     suggested = suggest_mapping([file])
     assert any("How long was an exposure" in doubt for doubt in suggested.doubts)
-    mapping.write_text(suggested.text.replace('answer = ""', 'answer = "yes"'), encoding="utf-8")
-    loaded = load_mapping(mapping)
-    write_study(study, import_files([file], loaded.mapping), loaded, [file])
+    write_as_suggested(study, file, suggested.text)
     trials = read_study(study).trials
     ends = {t["participant"]: (t["end_s"], t["status"]) for t in trials}
     assert ends["P2"] == ("728.0", "withdrawn")
